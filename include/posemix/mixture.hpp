@@ -3,6 +3,7 @@
 #pragma once
 
 /// Everything of the room `mixture`.
+#include "posemix/mixture/density_kernel.hpp"
 #include "posemix/mixture/em.hpp"
 #include "posemix/mixture/em_gaussian.hpp"
 #include "posemix/mixture/em_impl.hpp"
@@ -12,6 +13,7 @@
 #include "posemix/mixture/em_rows.hpp"
 #include "posemix/mixture/em_samples.hpp"
 #include "posemix/mixture/em_start.hpp"
+#include "posemix/mixture/log_densities.hpp"
 #include "posemix/mixture/log_weights.hpp"
 #include "posemix/mixture/mixture.hpp"
 #include "posemix/mixture/moments.hpp"

@@ -45,7 +45,7 @@ void bind_concentrated(nb::module_& m, const char* name) {
       .def_prop_ro(
           "body_covariance", [](const D& self) { return matrix_array(self.body_covariance()); },
           nb::rv_policy::move)
-      .def("log_density", &log_densities<D>, "points"_a)
+      .def("log_density", &log_densities_at<D>, "points"_a)
       .def(
           "sample",
           [](const D& self, std::size_t count, RandomStream& stream) {
@@ -167,7 +167,7 @@ void bind_projected(nb::module_& m, const char* name) {
           "tangent_mean", [](const D& self) { return vector_array(self.tangent_mean()); },
           nb::rv_policy::move)
       .def_prop_ro("log_normalizer", &D::log_normalizer)
-      .def("log_density", &log_densities<D>, "points"_a)
+      .def("log_density", &log_densities_at<D>, "points"_a)
       .def(
           "sample",
           [](const D& self, std::size_t count, RandomStream& stream) {

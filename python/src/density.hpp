@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,7 @@
 #include "posemix/base/random.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/density/projected_gaussian.hpp"
+#include "posemix/mixture/log_densities.hpp"
 #include "posemix/mixture/mixture.hpp"
 
 namespace posemix::python {
@@ -146,17 +148,16 @@ G mean_of(const Numbers& row) {
   return element_of<G>(row);
 }
 
-/// Log densities by D::Evaluator at the rows of `points`.
+/// Log densities of a density or a mixture at the rows of `points`.
 template <class D>
-Array log_densities(const D& density, const Rows& points) {
+Array log_densities_at(const D& density, const Rows& points) {
   using G = typename D::Group;
   require_columns(points, Wire<G>::kSize, "points");
   NewArray out({points.shape(0)});
   {
     const nb::gil_scoped_release unlocked;
-    const typename D::Evaluator evaluator(density);
-    for (std::size_t i = 0; i < points.shape(0); ++i)
-      out.data[i] = evaluator.log_density(Wire<G>::read(points.data() + i * Wire<G>::kSize));
+    const std::vector<G> elements = elements_of<G>(points, "points");
+    std::ranges::copy(log_densities(density, std::span<const G>(elements)), out.data);
   }
   return std::move(out.array);
 }

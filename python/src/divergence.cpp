@@ -48,16 +48,10 @@ void bind_pair(nb::module_& m) {
 }
 
 template <class G>
-void bind_group(nb::module_& m) {
+void bind_concentrated(nb::module_& m) {
   using C = ConcentratedGaussian<G>;
-  using P = ProjectedGaussian<G>;
   bind_pair<C, C>(m);
-  bind_pair<C, P>(m);
-  bind_pair<P, C>(m);
-  bind_pair<P, P>(m);
   m.def("gaussian_kl", [](const C& p, const C& q) { return gaussian_kl(p, q); });
-  m.def("gaussian_kl", [](const P& p, const P& q) { return gaussian_kl(p, q); });
-  m.def("exact_kl", [](const P& p, const P& q) { return exact_kl(p, q); });
   m.def("gaussian_wasserstein", [](const C& p, const C& q, double length_scale) {
     return gaussian_wasserstein(p, q, length_scale);
   });
@@ -67,6 +61,18 @@ void bind_group(nb::module_& m) {
   m.def("runnalls_bound", [](double log_a, const C& a, double log_b, const C& b) {
     return runnalls_bound(Component<C>{log_a, a}, Component<C>{log_b, b});
   });
+}
+
+template <class G>
+void bind_group(nb::module_& m) {
+  using C = ConcentratedGaussian<G>;
+  using P = ProjectedGaussian<G>;
+  bind_concentrated<G>(m);
+  bind_pair<C, P>(m);
+  bind_pair<P, C>(m);
+  bind_pair<P, P>(m);
+  m.def("gaussian_kl", [](const P& p, const P& q) { return gaussian_kl(p, q); });
+  m.def("exact_kl", [](const P& p, const P& q) { return exact_kl(p, q); });
   m.def("runnalls_bound", [](double log_a, const P& a, double log_b, const P& b) {
     return runnalls_bound(Component<P>{log_a, a}, Component<P>{log_b, b});
   });
@@ -150,6 +156,7 @@ void bind_divergence(nb::module_& m) {
   bind_results(m);
   bind_group<SO3d>(m);
   bind_group<SE3d>(m);
+  bind_concentrated<PoseStackd>(m);
 }
 
 }  // namespace posemix::python

@@ -66,7 +66,7 @@ nb::class_<Mixture<D>> bind_element_mixture(nb::module_& m, const char* name) {
   using M = Mixture<D>;
   using G = typename D::Group;
   return bind_mixture_of<D>(m, name)
-      .def("log_density", &log_densities<M>, "points"_a)
+      .def("log_density", &log_densities_at<M>, "points"_a)
       .def(
           "sample",
           [](const M& self, std::size_t count, RandomStream& stream) {
@@ -80,14 +80,9 @@ nb::class_<Mixture<D>> bind_element_mixture(nb::module_& m, const char* name) {
             NewArray out({points.shape(0), self.size()});
             {
               const nb::gil_scoped_release unlocked;
-              std::vector<typename D::Evaluator> evaluators;
-              for (const auto& component : self.components())
-                evaluators.emplace_back(component.density);
-              for (std::size_t i = 0; i < points.shape(0); ++i) {
-                const G point = Wire<G>::read(points.data() + i * Wire<G>::kSize);
-                for (std::size_t k = 0; k < self.size(); ++k)
-                  out.data[i * self.size() + k] = evaluators[k].log_density(point);
-              }
+              const std::vector<G> elements = elements_of<G>(points, "points");
+              std::ranges::copy(component_log_densities(self, std::span<const G>(elements)),
+                                out.data);
             }
             return std::move(out.array);
           },

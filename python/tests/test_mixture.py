@@ -31,6 +31,7 @@ from posemix import (
     fit_mixture_by_bic,
     fuse,
     gaussian_kl,
+    gaussian_wasserstein,
     inverse,
     isd_monte_carlo,
     kl_monte_carlo,
@@ -194,6 +195,29 @@ def test_divergences_agree_with_closed_forms() -> None:
     assert isd_monte_carlo(p, q, seed=1).value > 0
     distance = np.sqrt(2e-4 + 6 * (np.sqrt(2e-4) - np.sqrt(1e-4)) ** 2)
     assert mixture_wasserstein(p, q) == pytest.approx(distance, rel=1e-3)
+
+
+def test_divergences_of_joint_densities_of_independent_poses_are_sums() -> None:
+    first = ConcentratedGaussian(SE3(), 1e-4 * np.eye(6))
+    second = ConcentratedGaussian(SE3.exp([0.01, 0, 0, 0, 0.01, 0]), 2e-4 * np.eye(6))
+
+    def joint(a: ConcentratedGaussian[SE3], b: ConcentratedGaussian[SE3]) -> ConcentratedGaussian[Any]:
+        covariance = np.zeros((12, 12))
+        covariance[:6, :6], covariance[6:, 6:] = a.covariance, b.covariance
+        return ConcentratedGaussian(SE3.from_tq(np.stack([a.mean.to_tq(), b.mean.to_tq()])), covariance)
+
+    p, q = joint(first, second), joint(second, first)
+    assert gaussian_kl(p, q) == pytest.approx(gaussian_kl(first, second) + gaussian_kl(second, first), rel=1e-12)
+    distance = gaussian_wasserstein(first, second)
+    assert gaussian_wasserstein(p, q) == pytest.approx(np.sqrt(2) * distance, rel=1e-9)
+    assert mixture_wasserstein(Mixture([p]), Mixture([q])) == pytest.approx(np.sqrt(2) * distance, rel=1e-9)
+    sampled = kl_monte_carlo(Mixture([p]), Mixture([q]), seed=1)
+    assert sampled.value == pytest.approx(gaussian_kl(p, q), abs=5 * sampled.error + 1e-3)
+    both = symmetric_kl_monte_carlo(Mixture([p]), Mixture([q]), seed=1)
+    assert both.value == pytest.approx(2 * sampled.value, rel=0.05)
+    of_one = ConcentratedGaussian(SE3.from_tq(first.mean.to_tq()[None]), first.covariance)
+    with pytest.raises(ValueError, match="12 and 6 degrees of freedom"):
+        kl_monte_carlo(Mixture([p]), Mixture([of_one]), seed=1)
 
 
 def test_converting_there_and_back_loses_little() -> None:

@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <array>
 #include <memory>
+#include <span>
 
 #include "command_files.hpp"
 #include "exit_codes.hpp"
 #include "mixture_commands.hpp"
+#include "posemix/mixture/log_densities.hpp"
 
 namespace posemix {
 namespace {
@@ -16,14 +18,10 @@ struct DensityOptions {
   OutputOptions output;
 };
 
-std::vector<double> log_densities(const AnyMixture& mixture, const std::vector<SE3d>& poses) {
+std::vector<double> values_at(const AnyMixture& mixture, const std::vector<SE3d>& poses) {
   return std::visit(
       [&]<class D>(const Mixture<D>& of_one_distribution) {
-        const typename Mixture<D>::Evaluator evaluator(of_one_distribution);
-        std::vector<double> values;
-        values.reserve(poses.size());
-        for (const SE3d& pose : poses) values.push_back(evaluator.log_density(pose));
-        return values;
+        return posemix::log_densities(of_one_distribution, std::span<const SE3d>(poses));
       },
       mixture);
 }
@@ -33,7 +31,7 @@ int density_at_poses(const DensityOptions& options) {
   const NamedMixture input = read_mixture_input(options.files[0]);
   const PoseSamples points = read_pose_input(options.files[1], options.format);
   std::string text = "log_density_per_rad3_m3\n";
-  for (const double value : log_densities(input.file.mixture, points.poses)) {
+  for (const double value : values_at(input.file.mixture, points.poses)) {
     text += fmt::format("{}\n", value);
   }
   write_output(options.output.out, text);

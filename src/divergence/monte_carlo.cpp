@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <type_traits>
 #include <vector>
 
@@ -14,6 +15,7 @@
 #include "base/in_double.hpp"
 #include "density_factors.hpp"
 #include "posemix/base/sobol.hpp"
+#include "posemix/mixture/log_densities.hpp"
 
 namespace posemix {
 namespace {
@@ -52,8 +54,9 @@ bool in_ball(const typename G::Tangent& xi) {
   }
 }
 
-/// One component to sample from. `value` maps a standard normal vector to a term of the mean of a
-/// function over the component.
+/// One component to sample from. `weight_at` maps a standard normal vector to an element, and
+/// returns the weight that a function's value there has in its mean over the component; zero for
+/// none.
 template <class D>
 struct Stratum;
 
@@ -66,10 +69,11 @@ struct Stratum<ConcentratedGaussian<G>> {
   Stratum(double share, const ConcentratedGaussian<G>& density)
       : weight(share), mean(density.mean()), root(density.covariance().llt().matrixL()) {}
 
-  template <class Function>
-  double value(const Eigen::VectorXd& white, Function&& function) const {
+  double weight_at(const Eigen::VectorXd& white, G& element) const {
     const typename G::Tangent xi = root * white;
-    return in_ball<G>(xi) ? function(G::exp(xi) * mean) : 0.0;
+    if (!in_ball<G>(xi)) return 0.0;
+    element = G::exp(xi) * mean;
+    return 1.0;
   }
 };
 
@@ -83,12 +87,11 @@ struct Stratum<ProjectedGaussian<G>> {
       : weight(share), density(of), root(of.covariance().llt().matrixL()) {}
 
   /// The ratio of the distribution to the Gaussian in the tangent space is (1 + u.u)^-2 / C.
-  template <class Function>
-  double value(const Eigen::VectorXd& white, Function&& function) const {
+  double weight_at(const Eigen::VectorXd& white, G& element) const {
     const typename G::Tangent y = density.tangent_mean() + root * white;
     const double squared = y.template head<3>().squaredNorm();
-    return std::exp(-2.0 * std::log1p(squared) - density.log_normalizer()) *
-           function(density.element(y));
+    element = density.element(y);
+    return std::exp(-2.0 * std::log1p(squared) - density.log_normalizer());
   }
 };
 
@@ -109,20 +112,84 @@ std::vector<Stratum<D>> strata_of(const Mixture<D>& mixture, double share) {
   return strata;
 }
 
-/// The mean of `factor` over one stratum.
-template <class D, class Function>
-double stratum_mean(const Stratum<D>& stratum, std::size_t count, RandomStream& stream,
-                    Function&& factor) {
-  const Eigen::Index n = stratum.root.rows();
-  NormalPoints points(static_cast<std::size_t>(n), stream);
-  Eigen::VectorXd white(n);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    points.next(white);
-    sum += stratum.value(white, factor);
+/// Log densities of a mixture at many elements: of stacks of poses one by one.
+template <class D>
+class LogDensities {
+ public:
+  using Group = typename D::Group;
+
+  explicit LogDensities(const Mixture<D>& mixture) : evaluator_(mixture) {}
+
+  void at(std::span<const Group> elements, std::span<double> result) {
+    if constexpr (internal::HasKernel<D>) {
+      evaluator_.log_densities(elements, result);
+    } else {
+      std::ranges::transform(elements, result.begin(),
+                             [&](const Group& x) { return evaluator_.log_density(x); });
+    }
   }
-  return sum / static_cast<double>(count);
-}
+
+ private:
+  template <class Density>
+  struct EvaluatorOf {
+    using Type = typename Mixture<Density>::Evaluator;
+  };
+  template <internal::HasKernel Density>
+  struct EvaluatorOf<Density> {
+    using Type = BatchEvaluator<Density>;
+  };
+
+  typename EvaluatorOf<D>::Type evaluator_;
+};
+
+/// The means of a factor of two densities over strata, block by block.
+template <class P, class Q>
+class StratumMeans {
+ public:
+  using Group = typename P::Group;
+
+  StratumMeans(const Mixture<P>& p, const Mixture<Q>& q, internal::DensityFactor factor)
+      : p_(p), q_(q), factor_(factor) {}
+
+  template <class D>
+  double mean(const Stratum<D>& stratum, std::size_t count, RandomStream& stream) {
+    const Eigen::Index n = stratum.root.rows();
+    NormalPoints points(static_cast<std::size_t>(n), stream);
+    Eigen::VectorXd white(n);
+    double sum = 0.0;
+    Group element;
+    for (std::size_t i = 0; i < count; ++i) {
+      points.next(white);
+      if (const double weight = stratum.weight_at(white, element); weight != 0.0) {
+        elements_.push_back(element);
+        weights_.push_back(weight);
+      }
+      if (elements_.size() == kEmBlock || i + 1 == count) sum += sum_of_block();
+    }
+    return sum / static_cast<double>(count);
+  }
+
+ private:
+  /// The sum over the elements so far, of which none are left.
+  double sum_of_block() {
+    log_p_.resize(elements_.size());
+    log_q_.resize(elements_.size());
+    p_.at(elements_, log_p_);
+    q_.at(elements_, log_q_);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < elements_.size(); ++i)
+      sum += weights_[i] * factor_(log_p_[i], log_q_[i]);
+    elements_.clear();
+    weights_.clear();
+    return sum;
+  }
+
+  LogDensities<P> p_;
+  LogDensities<Q> q_;
+  internal::DensityFactor factor_;
+  std::vector<Group> elements_;
+  std::vector<double> weights_, log_p_, log_q_;
+};
 
 void check(Eigen::Index p, Eigen::Index q, const DivergenceSamplingSettings& settings) {
   if (p != q) throw InvalidInput(fmt::format("mixtures of {} and {} degrees of freedom", p, q));
@@ -141,9 +208,7 @@ DivergenceEstimate sampled(const Mixture<P>& p, const Mixture<Q>& q, bool from_b
   check(p.dof(), q.dof(), settings);
   const auto of_p = strata_of(p, from_both ? 0.5 : 1.0);
   const auto of_q = from_both ? strata_of(q, 0.5) : std::vector<Stratum<Q>>{};
-  const typename Mixture<P>::Evaluator log_p(p);
-  const typename Mixture<Q>::Evaluator log_q(q);
-  const auto at = [&](const auto& x) { return factor(log_p.log_density(x), log_q.log_density(x)); };
+  StratumMeans<P, Q> means(p, q, factor);
 
   const double per_replicate =
       static_cast<double>(settings.samples) / static_cast<double>(settings.replicates);
@@ -155,7 +220,7 @@ DivergenceEstimate sampled(const Mixture<P>& p, const Mixture<Q>& q, bool from_b
     const auto add = [&](const auto& stratum) {
       const auto share = static_cast<std::size_t>(std::lround(stratum.weight * per_replicate));
       const std::size_t count = std::max(least, share);
-      replicate += stratum.weight * stratum_mean(stratum, count, stream, at);
+      replicate += stratum.weight * means.mean(stratum, count, stream);
       estimate.evaluations += count;
     };
     for (const auto& stratum : of_p) add(stratum);

@@ -7,22 +7,6 @@ namespace {
 
 constexpr std::size_t kDof = 6;
 
-PoseKernel kernel_of(const ConcentratedGaussian<SE3d>& density) {
-  const SE3d& mean = density.mean();
-  const Eigen::LLT<Matrix6d> factor(density.covariance());
-  const Matrix6d whitening = factor.matrixL().solve(Matrix6d::Identity());
-  const Matrix6d precision = whitening.transpose() * whitening;
-  PoseKernel kernel{};
-  Eigen::Vector4d::Map(kernel.rotation.data()) = mean.rotation().quaternion().coeffs();
-  Eigen::Vector3d::Map(kernel.translation.data()) = mean.translation();
-  for (std::size_t i = 0; i < kDof; ++i) {
-    Vector6d::Map(kernel.factor[i].data()) = whitening.row(static_cast<Eigen::Index>(i));
-    Vector6d::Map(kernel.precision[i].data()) = precision.row(static_cast<Eigen::Index>(i));
-  }
-  kernel.log_constant = -0.5 * (log_det(factor) + static_cast<double>(kDof) * kLogTwoPi);
-  return kernel;
-}
-
 /// sum r a x b from sum r a b^T.
 Eigen::Vector3d cross_of(const Eigen::Matrix3d& outer) {
   return {outer(1, 2) - outer(2, 1), outer(2, 0) - outer(0, 2), outer(0, 1) - outer(1, 0)};

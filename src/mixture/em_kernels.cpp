@@ -45,10 +45,10 @@ void projected_rows(const EmRow* samples, std::size_t count, const ProjectedKern
   }
 }
 
-void projected_log_density(std::size_t n, const EmRow* samples, std::size_t count,
-                           const ProjectedKernel& density, EmRow* y, EmRow& out) {
-  n == 3 ? projected_rows<3>(samples, count, density, y, out)
-         : projected_rows<6>(samples, count, density, y, out);
+void projected_log_density(const EmRow* samples, std::size_t count, const ProjectedKernel& density,
+                           EmRow* y, EmRow& out) {
+  density.dimensions == 3 ? projected_rows<3>(samples, count, density, y, out)
+                          : projected_rows<6>(samples, count, density, y, out);
 }
 
 void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
@@ -78,10 +78,10 @@ void projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
   for (std::size_t j = 0; j < 4; ++j) store_sum(total[j], sums, j);
 }
 
-void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
+void add_projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
                             const ProjectedKernel& density, double* sums) {
-  n == 3 ? projected_gradient<3>(y, shares, count, density, sums)
-         : projected_gradient<6>(y, shares, count, density, sums);
+  density.dimensions == 3 ? projected_gradient<3>(y, shares, count, density, sums)
+                          : projected_gradient<6>(y, shares, count, density, sums);
 }
 
 /// exp(x) for x in [-700, 0]: 2^n exp(r), |r| <= ln 2 / 2, and the Taylor series to r^13.
@@ -110,9 +110,11 @@ HWY_INLINE V exp_of_negative(V x) {
       D(), hn::Add(hn::BitCast(bits, sum), hn::ShiftLeft<52>(hn::BitCast(bits, shifted))));
 }
 
+/// Log of a share of 1e-30: what is less does not count.
+constexpr double kLeastLog = -69.0;
+
 double shares_of_log_terms(const EmRow& weights, std::size_t count, EmRow* terms,
                            std::size_t components) {
-  constexpr double kLeastLog = -69.0;  // log of a share of 1e-30
   const V zero = hn::Zero(D());
   V log_likelihood = zero;
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
@@ -139,6 +141,25 @@ double shares_of_log_terms(const EmRow& weights, std::size_t count, EmRow* terms
   return hn::GetLane(hn::SumOfLanes(D(), log_likelihood));
 }
 
+void log_sums_of(const double* log_weights, std::size_t components, const EmRow* terms,
+                 std::size_t count, EmRow& out) {
+  const V zero = hn::Zero(D());
+  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
+    V largest = set(-1e308);
+    for (std::size_t k = 0; k < components; ++k)
+      largest = hn::Max(largest, hn::Add(set(log_weights[k]), load(terms[k], i)));
+    V sum = zero;
+    for (std::size_t k = 0; k < components; ++k) {
+      const V log = hn::Sub(hn::Add(set(log_weights[k]), load(terms[k], i)), largest);
+      const auto counts = hn::Gt(log, set(kLeastLog));
+      if (!hn::AllFalse(D(), counts))
+        sum = hn::Add(sum, hn::IfThenElseZero(counts, exp_of_negative(log)));
+    }
+    const V log = hn::Add(largest, hn::Log(D(), sum));
+    store(hn::IfThenElse(hn::Gt(sum, zero), log, hn::Neg(hn::Inf(D()))), out, i);
+  }
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace posemix::internal
 HWY_AFTER_NAMESPACE();
@@ -154,10 +175,12 @@ HWY_EXPORT(add_pose_gradient);
 HWY_EXPORT(rn_log_density);
 HWY_EXPORT(add_rn_moments);
 HWY_EXPORT(shares_of_log_terms);
+HWY_EXPORT(log_sums_of);
+HWY_EXPORT(rotation_log_density);
 
-void projected_log_density(std::size_t n, const EmRow* samples, std::size_t count,
-                           const ProjectedKernel& density, EmRow* y, EmRow& out) {
-  POSEMIX_DISPATCH(projected_log_density)(n, samples, count, density, y, out);
+void projected_log_density(const EmRow* samples, std::size_t count, const ProjectedKernel& density,
+                           EmRow* y, EmRow& out) {
+  POSEMIX_DISPATCH(projected_log_density)(samples, count, density, y, out);
 }
 
 void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
@@ -165,9 +188,14 @@ void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t
   POSEMIX_DISPATCH(add_moments)(n, y, shares, count, sums);
 }
 
-void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
+void add_projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
                             const ProjectedKernel& density, double* sums) {
-  POSEMIX_DISPATCH(add_projected_gradient)(n, y, shares, count, density, sums);
+  POSEMIX_DISPATCH(add_projected_gradient)(y, shares, count, density, sums);
+}
+
+void rotation_log_density(const EmRow* samples, std::size_t count, const RotationKernel& density,
+                          EmRow& out) {
+  POSEMIX_DISPATCH(rotation_log_density)(samples, count, density, out);
 }
 
 void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel& density,
@@ -191,6 +219,11 @@ void add_rn_moments(const EmRow* samples, const EmRow& shares, std::size_t count
 
 double shares_from_log_terms(const EmRow& weights, std::size_t count, std::span<EmRow> terms) {
   return POSEMIX_DISPATCH(shares_of_log_terms)(weights, count, terms.data(), terms.size());
+}
+
+void log_sums(std::span<const double> log_weights, std::size_t count, std::span<const EmRow> terms,
+              EmRow& out) {
+  POSEMIX_DISPATCH(log_sums_of)(log_weights.data(), terms.size(), terms.data(), count, out);
 }
 
 }  // namespace posemix::internal

@@ -24,6 +24,25 @@ HWY_INLINE V twice_slope_of(V ratio, V second_order, V u) {
   return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
 }
 
+/// With phi = Log(X X0^-1), whose log volume is half of that of a pose.
+void rotation_log_density(const EmRow* samples, std::size_t count, const RotationKernel& density,
+                          EmRow& out) {
+  const Quaternion inverse{
+      {set(-density.rotation[0]), set(-density.rotation[1]), set(-density.rotation[2])},
+      set(density.rotation[3])};
+  for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
+    const Quaternion r = product(load_rotation(samples, i), inverse);
+    const Powers powers(hn::Abs(r.w));
+    const V ratio = powers.polynomial(kHalfAngleOverSine);
+    const V pose_log_volume = powers.polynomial(kLogVolume);
+    const V twice = hn::Add(ratio, ratio);
+    const V3 phi = scaled(hn::Xor(twice, hn::And(r.w, hn::SignBit(D()))), r.v);
+    const V xi[3] = {phi.x, phi.y, phi.z};
+    const V minus_twice_log = hn::Add(squared_norm<3>(density.factor, xi), pose_log_volume);
+    store(hn::NegMulAdd(set(0.5), minus_twice_log, set(density.log_constant)), out, i);
+  }
+}
+
 /// With J_l^-1(phi) = I - phi^ / 2 + D phi^ phi^, D = `second_order`, and J_l^-1(phi) R(phi) =
 /// J_l^-1(-phi),
 ///   rho = J_l^-1(phi) (t - R t0) = t - t0 + phi x (D phi x (t - t0) - (t + t0) / 2).

@@ -137,37 +137,23 @@ Eigen::Matrix3d curvature(const Eigen::Matrix3d& uu, const Eigen::Matrix3d& m,
 
 template <RotationOrPose G>
 EmModel<ProjectedGaussian<G>>::Worker::Worker(const Density& density, const EmSettings& settings)
-    : density_(density), settings_(&settings), kernel_{}, rows_(G::Dof) {
-  constexpr auto n = static_cast<std::size_t>(G::Dof);
-  const Eigen::LLT<Covariance> factor(density.covariance());
-  const Covariance whitening = factor.matrixL().solve(Covariance::Identity());
-  const Covariance precision = whitening.transpose() * whitening;
-  Eigen::Vector4d::Map(kernel_.tangent_point.data()) =
-      density.tangent_point().quaternion().coeffs();
-  Eigen::Vector3d::Map(kernel_.u.data()) = density.tangent_mean().template head<3>();
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    if (i >= 3) kernel_.translation[i - 3] = density.tangent_mean()[row];
-    Tangent::Map(kernel_.factor[i].data()) = whitening.row(row);
-    if (i < 3) Tangent::Map(kernel_.precision_u[i].data()) = precision.row(row);
-  }
-  kernel_.log_constant = -0.5 * (log_det(factor) + static_cast<double>(n) * kLogTwoPi) -
-                         density.log_normalizer() - gnomonic::kLogHaarPerHalfSphere;
-}
+    : density_(density),
+      settings_(&settings),
+      kernel_(internal::kernel_of(density)),
+      rows_(G::Dof) {}
 
 template <RotationOrPose G>
 void EmModel<ProjectedGaussian<G>>::Worker::log_density(const Samples& samples, std::size_t begin,
                                                         std::size_t count, EmRow& out) {
   count_ = count;
-  internal::projected_log_density(G::Dof, samples.block(begin), count, kernel_, rows_.data(), out);
+  internal::projected_log_density(samples.block(begin), count, kernel_, rows_.data(), out);
 }
 
 template <RotationOrPose G>
 void EmModel<ProjectedGaussian<G>>::Worker::accumulate(const EmRow& shares) {
   internal::add_moments(G::Dof, rows_.data(), shares, count_, sums_.data());
   if (!settings_->fixed_means) {
-    internal::add_projected_gradient(G::Dof, rows_.data(), shares, count_, kernel_,
-                                     gradient_.data());
+    internal::add_projected_gradient(rows_.data(), shares, count_, kernel_, gradient_.data());
   }
 }
 

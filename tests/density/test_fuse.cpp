@@ -58,6 +58,33 @@ TEST(FuseOnVectors, IsTheClosedForm) {
   });
 }
 
+/// Deviations of 1e-3 to 1e3 along axes of their own, a million from the origin; the reference is
+/// the information form in long double, which loses twelve of its nineteen digits.
+TEST(FuseOnVectors, HoldsForDeviationsOfManySizes) {
+  using Matrix = Eigen::Matrix<long double, 3, 3>;
+  const auto covariance = [](const Eigen::Vector3d& axis, const Eigen::Vector3d& sd) {
+    const Eigen::Matrix3d turn = SO3d::exp(axis).matrix();
+    Eigen::Matrix3d result = turn * sd.cwiseAbs2().asDiagonal() * turn.transpose();
+    symmetrize(result);
+    return result;
+  };
+  const Rnd<3> at(Eigen::Vector3d(1e6, -1e6, 1e6));
+  const Rnd<3> beside(Eigen::Vector3d(1e6, -1e6 + 0.5, 1e6));
+  const ConcentratedGaussian<Rnd<3>> p(at, covariance({0.0, 0.0, 0.0}, {1e3, 1.0, 1e-3}));
+  const ConcentratedGaussian<Rnd<3>> q(beside, covariance({0.0, 0.0, 1.0}, {1e-3, 1e3, 1.0}));
+  const auto fused = fuse(p, q);
+  const Matrix info_p = p.covariance().cast<long double>().inverse();
+  const Matrix info_q = q.covariance().cast<long double>().inverse();
+  const Matrix expected = (info_p + info_q).inverse();
+  EXPECT_EQ(Eigen::LLT<Eigen::Matrix3d>(fused.density.covariance()).info(), Eigen::Success);
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const auto variance = static_cast<double>(expected(i, i));
+    EXPECT_NEAR(fused.density.covariance()(i, i), variance, 1e-6 * variance);
+  }
+  const Eigen::Vector3d swapped = fuse(q, p).density.mean().value() - fused.density.mean().value();
+  EXPECT_LT(swapped.norm(), 1e-8);
+}
+
 TYPED_TEST(FuseOn, IsSymmetricInItsArguments) {
   check_property([] {
     const auto [p, q] = draw_pair<TypeParam>();

@@ -236,6 +236,19 @@ TEST(Merge, MomentMatchedReportsWhenItHasNotConverged) {
       merge<SO3d>(components, {.rule = MergeRule::moment_matched, .max_iterations = 0}).converged);
 }
 
+TEST(MergeOnVectors, RefusesSeveralDimensions) {
+  using Any = Rnd<Eigen::Dynamic>;
+  const auto zero = [](Eigen::Index n) {
+    return Component<ConcentratedGaussian<Any>>{
+        0.0, {Any(Eigen::VectorXd::Zero(n)), Eigen::MatrixXd::Identity(n, n)}};
+  };
+  const std::vector<Component<ConcentratedGaussian<Any>>> components{zero(2), zero(3)};
+  for (const MergeRule rule : kRules) {
+    EXPECT_EQ(testing::thrown_message([&] { merged_by(rule, components); }),
+              "merge: components of 2 and 3 degrees of freedom");
+  }
+}
+
 TEST(Merge, RejectsWhatItCannotMerge) {
   EXPECT_EQ(testing::thrown_message([] { merged_by(MergeRule::midway, Components<SO3d>{}); }),
             "merge: there is no component");

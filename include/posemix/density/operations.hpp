@@ -137,6 +137,26 @@ FuseResult<ConcentratedGaussian<G>> fuse_from(G mode, const ConcentratedGaussian
   return {ConcentratedGaussian<G>::trusted(mode, covariance), log_overlap, converged, iteration};
 }
 
+/// The product of Gaussians on R^n in closed form. With S = P + Q, A = Q S^-1 and B = P S^-1 it has
+/// the mean A p + B q and, in Joseph's form, which stays positive definite, the covariance
+/// A P A^T + B Q B^T; its integral is N(q - p; 0, S).
+template <int N>
+FuseResult<ConcentratedGaussian<Rnd<N>>> fuse_vectors(const ConcentratedGaussian<Rnd<N>>& p,
+                                                      const ConcentratedGaussian<Rnd<N>>& q) {
+  using Matrix = typename Rnd<N>::TangentMatrix;
+  using Vector = typename Rnd<N>::Tangent;
+  const Vector& a = p.mean().value();
+  const Vector& b = q.mean().value();
+  const Eigen::LLT<Matrix> sum(p.covariance() + q.covariance());
+  const Matrix of_p = sum.solve(q.covariance()).transpose();
+  const Matrix of_q = sum.solve(p.covariance()).transpose();
+  Matrix covariance = of_p * p.covariance() * of_p.transpose();
+  covariance += of_q * q.covariance() * of_q.transpose();
+  symmetrize(covariance);
+  return {ConcentratedGaussian<Rnd<N>>::trusted(Rnd<N>(of_p * a + of_q * b), std::move(covariance)),
+          log_normal(sum, Vector(b - a)), true, 1};
+}
+
 }  // namespace internal
 
 /// The normalised product of two densities on the same group and the log of its integral.
@@ -146,7 +166,8 @@ FuseResult<ConcentratedGaussian<G>> fuse_from(G mode, const ConcentratedGaussian
 /// turn, and by half turns about the axes of densities that are wide): that of the largest overlap
 /// is returned. Of densities of 10 to 60 degrees one in a hundred has a higher mode still. The
 /// covariance is the inverse of the information there. The overlap is Laplace's approximation
-/// p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), in which p and q include their volume factors. Exact on R^n.
+/// p(X*) q(X*) (2 pi)^(n/2) |P|^(1/2), in which p and q include their volume factors. On R^n all of
+/// it is exact, in closed form.
 /// If the iteration does not converge, `converged` is false; nothing is thrown.
 /// @throws InvalidInput when sizes differ or max_iterations is not positive
 template <LieGroup G>
@@ -158,6 +179,7 @@ FuseResult<ConcentratedGaussian<G>> fuse(const ConcentratedGaussian<G>& p,
         fmt::format("fuse: densities of {} and {} degrees of freedom", p.dof(), q.dof()));
   }
   require(settings.max_iterations > 0, "fuse: max_iterations must be at least 1");
+  if constexpr (internal::kIsVectorSpace<G>) return internal::fuse_vectors(p, q);
   auto best = internal::fuse_from(p.mean(), p, q, settings);
   for (const G& start : internal::other_starts(p, q)) {
     auto other = internal::fuse_from(start, p, q, settings);

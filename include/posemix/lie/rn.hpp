@@ -67,6 +67,16 @@ class Rn {
   Tangent value_;
 };
 
+namespace internal {
+
+/// Whether a group is R^n, all of which is one tangent space.
+template <class G>
+inline constexpr bool kIsVectorSpace = false;
+template <int N, typename S>
+inline constexpr bool kIsVectorSpace<Rn<N, S>> = true;
+
+}  // namespace internal
+
 extern template class Rn<3, double>;
 extern template class Rn<Eigen::Dynamic, double>;
 

@@ -10,8 +10,8 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/lie/mean.hpp"
+#include "posemix/mixture/density_kernel.hpp"
 #include "posemix/mixture/em.hpp"
-#include "posemix/mixture/em_kernels.hpp"
 #include "posemix/mixture/em_samples.hpp"
 
 namespace posemix {

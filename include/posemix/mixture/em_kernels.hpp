@@ -14,6 +14,7 @@ namespace posemix::internal {
 
 /// The parameters of a projected Gaussian in the inner loops.
 struct ProjectedKernel {
+  std::size_t dimensions;                            ///< of y: 3 on SO(3), 6 on SE(3)
   std::array<double, 4> tangent_point;               ///< x y z w
   std::array<double, 3> translation;                 ///< mean of t, zero on SO(3)
   std::array<double, 3> u;                           ///< mean of u
@@ -22,18 +23,29 @@ struct ProjectedKernel {
   double log_constant;
 };
 
-/// Computes y = [u; t] less its mean, in n rows, and the log density of every sample; zero and -inf
-/// if the rotation has no coordinates u. n is 3 on SO(3), 6 on SE(3).
-void projected_log_density(std::size_t n, const EmRow* samples, std::size_t count,
-                           const ProjectedKernel& density, EmRow* y, EmRow& out);
+/// Computes y = [u; t] less its mean, in as many rows, and the log density of every sample; zero
+/// and -inf if the rotation has no coordinates u.
+void projected_log_density(const EmRow* samples, std::size_t count, const ProjectedKernel& density,
+                           EmRow* y, EmRow& out);
 
 /// Adds the weighted moments of rows y to the sums; see em_second_moment.
 void add_moments(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
                  double* sums);
 
 /// Adds sum share u (u . (P^-1 y)_u) to three sums, sum share u.u (u . (P^-1 y)_u) to a fourth.
-void add_projected_gradient(std::size_t n, const EmRow* y, const EmRow& shares, std::size_t count,
+void add_projected_gradient(const EmRow* y, const EmRow& shares, std::size_t count,
                             const ProjectedKernel& density, double* sums);
+
+/// The parameters of a concentrated Gaussian on SO(3) in the inner loops.
+struct RotationKernel {
+  std::array<double, 4> rotation;               ///< the mean, x y z w
+  std::array<std::array<double, 6>, 6> factor;  ///< L^-1, P = L L^T, in the first three rows
+  double log_constant;
+};
+
+/// Computes the log density of every sample.
+void rotation_log_density(const EmRow* samples, std::size_t count, const RotationKernel& density,
+                          EmRow& out);
 
 /// The parameters of a concentrated Gaussian on SE(3) in the inner loops.
 struct PoseKernel {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "posemix/density/projected_gaussian.hpp"
+#include "posemix/mixture/density_kernel.hpp"
 #include "posemix/mixture/em.hpp"
-#include "posemix/mixture/em_kernels.hpp"
 
 namespace posemix {
 

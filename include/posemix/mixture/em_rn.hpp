@@ -20,15 +20,10 @@ class EmGaussianWorker<Rnd<N>> {
   using Samples = EmCoordinates;
 
   EmGaussianWorker(const Density& density, const EmSettings& settings)
-      : density_(density), settings_(&settings), factor_(density.covariance()) {
-    const Eigen::Index n = density.dof();
-    const Covariance inverse = factor_.matrixL().solve(Covariance::Identity(n, n));
-    const Tangent& mean = density.mean().value();
-    kernel_.mean.assign(mean.begin(), mean.end());
-    for (Eigen::Index i = 0; i < n; ++i) {
-      for (Eigen::Index j = 0; j <= i; ++j) kernel_.factor.push_back(inverse(i, j));
-    }
-    kernel_.log_constant = -0.5 * (log_det(factor_) + static_cast<double>(n) * kLogTwoPi);
+      : density_(density),
+        settings_(&settings),
+        factor_(density.covariance()),
+        kernel_(kernel_of(density)) {
     sums_.resize((1 + kernel_.mean.size() + kernel_.factor.size()) * kEmSumLanes);
   }
 

@@ -91,5 +91,10 @@ constexpr std::size_t em_second_moment(std::size_t n, std::size_t i, std::size_t
 /// 1e-30 become zero. Returns the sum of weight times log density of the mixture.
 double shares_from_log_terms(const EmRow& weights, std::size_t count, std::span<EmRow> terms);
 
+/// log sum_k exp(log_weights_k + terms_k) for a block of log densities in rows, one per component;
+/// -inf where all are.
+void log_sums(std::span<const double> log_weights, std::size_t count, std::span<const EmRow> terms,
+              EmRow& out);
+
 }  // namespace internal
 }  // namespace posemix

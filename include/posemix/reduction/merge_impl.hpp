@@ -7,6 +7,8 @@
 #include <concepts>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "posemix/lie/mean.hpp"
 #include "posemix/reduction/merge.hpp"
 
@@ -122,6 +124,29 @@ bool is_stack_pair(const Carrying<ConcentratedGaussian<G>>& carrying,
   return false;
 }
 
+/// The merge on R^n, where all rules match the same moments.
+template <class G>
+ConcentratedGaussian<G> merged_vectors(const Carrying<ConcentratedGaussian<G>>& carrying) {
+  using Vector = typename G::Tangent;
+  using Matrix = typename G::TangentMatrix;
+  for (const auto* density : carrying.densities) {
+    if (density->dof() == carrying.mean(0).dof()) continue;
+    throw InvalidInput(fmt::format("merge: components of {} and {} degrees of freedom",
+                                   carrying.mean(0).dof(), density->dof()));
+  }
+  Vector mean = carrying.weights[0] * carrying.mean(0).value();
+  for (std::size_t i = 1; i < carrying.size(); ++i)
+    mean += carrying.weights[i] * carrying.mean(i).value();
+  Matrix covariance = Matrix::Zero(mean.size(), mean.size());
+  for (std::size_t i = 0; i < carrying.size(); ++i) {
+    const Vector apart = carrying.mean(i).value() - mean;
+    covariance.noalias() += carrying.weights[i] * apart * apart.transpose();
+    covariance += carrying.weights[i] * carrying.densities[i]->covariance();
+  }
+  symmetrize(covariance);
+  return ConcentratedGaussian<G>::trusted(G(mean), std::move(covariance));
+}
+
 /// Pointers to components that lie next to each other in memory.
 template <class D>
 std::vector<const Component<D>*> pointers_to(std::span<const Component<D>> components) {
@@ -151,6 +176,8 @@ MergeResult<ConcentratedGaussian<G>> merge(
   if (components.size() == 1) return {*components.front(), true};
   const double log_weight = carrying.log_total;
   if (carrying.size() == 1) return {{log_weight, *carrying.densities.front()}, true};
+  if constexpr (internal::kIsVectorSpace<G>)
+    return {{log_weight, internal::merged_vectors(carrying)}, true};
   if constexpr (std::same_as<G, PoseStackd>) {
     if (internal::is_stack_pair(carrying, settings)) {
       const std::size_t first = settings.rule == MergeRule::midway ? 0 : carrying.heaviest();

@@ -109,8 +109,23 @@ def write_map(path: str, found: SavedMap) -> str:
     place = Path(path).expanduser()
     _check_writable(place)
     place.parent.mkdir(parents=True, exist_ok=True)
-    found.slam.save(place)
-    note: dict[str, Any] = {"format": _FORMAT, "version": 1, "state_sha256": _digest(place)}
+    state = place.with_name(place.name + ".next")
+    found.slam.save(state)
+    try:
+        note = _note_of(found, _digest(state))
+        # Whichever of the two states is there after a kill, its note is there, too.
+        if before := _note_beside(place):
+            before.pop("before", None)
+            note["before"] = before
+        write_text(_note(place), json.dumps(note) + "\n")
+        state.replace(place)
+    finally:
+        state.unlink(missing_ok=True)
+    return str(note["state_sha256"])
+
+
+def _note_of(found: SavedMap, digest: str) -> dict[str, Any]:
+    note: dict[str, Any] = {"format": _FORMAT, "version": 1, "state_sha256": digest}
     note |= {"start_ns": found.start_ns, "body": found.body, "lineage": sorted(found.lineage)}
     note |= {"several": sorted(found.several), "symmetries": sorted(found.symmetries)}
     if math.isfinite(found.since_s):
@@ -118,8 +133,20 @@ def write_map(path: str, found: SavedMap) -> str:
     if found.odometry is not None:
         stamp_ns, pose = found.odometry
         note["odometry"] = [stamp_ns, None if pose is None else pose.to_tq().tolist()]
-    write_text(_note(place), json.dumps(note) + "\n")
-    return str(note["state_sha256"])
+    return note
+
+
+def _note_beside(place: Path) -> dict[str, Any] | None:
+    """The note of the state that is in a file; none where there is no state, or the notes are of others."""
+    try:
+        note = json.loads(_note(place).read_text(encoding="utf-8"))
+        digest = _digest(place)
+        for one in (note, note.get("before", {})):
+            if one.get("version") == 1 and one.get("state_sha256") == digest:
+                return dict(one)
+    except (OSError, ValueError, AttributeError, RecursionError):
+        pass
+    return None
 
 
 def read_map(path: str) -> SavedMap:
@@ -137,8 +164,7 @@ def read_map(path: str) -> SavedMap:
         raise FileNotFoundError(f"{place}: there is no such map")
     slam = StampedSlam.load(place)
     try:
-        note = json.loads(_note(place).read_text(encoding="utf-8"))
-        if note["version"] == 1 and note["state_sha256"] == _digest(place):
+        if note := _note_beside(place):
             stamp_ns, numbers = note.get("odometry", (None, None))
             return SavedMap(
                 slam, int(note["start_ns"]), str(note["body"]), lineage=frozenset(note["lineage"]),
@@ -146,7 +172,7 @@ def read_map(path: str) -> SavedMap:
                 symmetries=frozenset(note["symmetries"]),
                 odometry=None if stamp_ns is None else (int(stamp_ns), None if not numbers else SE3.from_tq(numbers)),
             )  # fmt: skip
-    except (OSError, ValueError, KeyError, TypeError, RecursionError):
+    except (ValueError, KeyError, TypeError):
         pass
     # Without a note a map stands for itself.
     return SavedMap(slam, None, "", lineage=frozenset([_digest(place)]))

@@ -14,6 +14,7 @@ from ros.robot import PLACES, robot
 
 from posemix import SE3, SO3
 from posemix.ros import configuration
+from posemix.ros.maps import read_map
 
 
 def test_a_map_that_is_not_found_is_kept_through_a_reset(tmp_path: Path) -> None:
@@ -32,6 +33,36 @@ def test_a_map_that_is_not_found_is_kept_through_a_reset(tmp_path: Path) -> None
     assert place.read_bytes() == kept
     second.engine.save(str(place))
     second.engine.save(str(place), over_unknown=False)
+
+
+def test_a_kill_between_a_map_and_its_note_costs_neither(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Killed(BaseException):
+        pass
+
+    def kill(self: Path, target: Any) -> None:
+        raise Killed
+
+    place = tmp_path / "kitchen.state"
+    one = robot()
+    one.drive(0.0, 1.0, ["mug", "box", "jar"])
+    one.engine.save(str(place))
+    old, note = place.read_bytes(), read_map(str(place))
+    one.drive(1.0, 2.0, ["mug", "box", "jar"])
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "replace", kill)
+        with pytest.raises(Killed):
+            one.engine.save(str(place))
+    assert place.read_bytes() == old
+    kept = read_map(str(place))
+    assert note.odometry is not None and kept.odometry is not None and kept.odometry[0] == note.odometry[0]
+    assert kept.start_ns == note.start_ns and kept.lineage == note.lineage
+    for _ in range(2):
+        one.engine.save(str(place))
+    new = read_map(str(place))
+    assert place.read_bytes() != old and new.start_ns == note.start_ns
+    assert new.odometry is not None and new.odometry[0] > note.odometry[0]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["kitchen.state", "kitchen.state.json"]
+    assert (tmp_path / "kitchen.state.json").stat().st_size < 4000
 
 
 def test_a_map_is_written_over_maps_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
