@@ -62,8 +62,8 @@ void check_dimensions(std::span<const G> elements, Eigen::Index dof) {
 
 }  // namespace internal
 
-/// Evaluates the log densities of a mixture at many elements; every component is factorised once. It
-/// has memory of its own to work in, so that every thread needs one.
+/// Evaluates the log densities of a mixture at many elements; every component is factorised once.
+/// It has memory of its own to work in, so that every thread needs one.
 template <class D>
 requires internal::HasKernel<D>
 class BatchEvaluator {
