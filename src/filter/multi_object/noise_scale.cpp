@@ -9,8 +9,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "base/cholesky6.hpp"
-
 namespace posemix::internal {
 namespace {
 
@@ -20,7 +18,6 @@ struct AxisGroup {
   int count;
 };
 constexpr std::array<AxisGroup, 4> kGroups{{{0, 2}, {2, 1}, {3, 2}, {5, 1}}};
-using SmallMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 2, 2>;
 
 /// The scale of the slow error that goes with a scale of the white one. Innovations show the white
 /// error alone: a quiet recording is not less biased, so that the slow error keeps its size down to
@@ -95,9 +92,8 @@ double LearnedSensor::count_detection(const WeighedObservation& observation, dou
 
 /// Fisher scoring for the log variance v of every group of axes. With S = H P H^T + R,
 /// y = S^-1 z and the group's part R_g of R, the score of log N(z; 0, S) is
-/// (y^T R_g y - tr S^-1 R_g) / 2 and its information tr(S^-1 R_g S^-1 R_g) / 2, for which the
-/// entries of S^-1 in the group's rows and columns suffice. The noise as given counts as
-/// settings.noise_scale_detections detections.
+/// (y^T R_g y - tr S^-1 R_g) / 2 and its information tr(S^-1 R_g S^-1 R_g) / 2. The noise as given
+/// counts as settings.noise_scale_detections detections.
 Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance,
                               const MultiObjectSettings& settings) {
   const GivenCovariance use = sensor_.noise.dependence().given_covariance;
@@ -107,7 +103,7 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
   const SE3d to_axes = inlier.axes.inverse();
   const Matrix6d s = to_axes.adjoint_congruence(inlier.covariance);
   const Vector6d z = to_axes.adjoint_blocks().times(inlier.residual);
-  const Matrix6d s_inverse = Cholesky6(s).solved_rows(Matrix6d::Identity());
+  const Matrix6d s_inverse = s.inverse();
   const Vector6d y = s_inverse * z;
   double weight = inlier.weight;
   if (has_learned_wrong(inlier, s, z, y.dot(z))) {
@@ -122,12 +118,13 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
   const double largest =
       has_covariance && use == GivenCovariance::scaled ? kLargestGivenScale : 1.0;
   for (const auto& [first, count] : kGroups) {
-    const auto r = inlier.white.block(first, first, count, count);
-    const auto y_g = y.segment(first, count);
-    const SmallMatrix s_r = s_inverse.block(first, first, count, count).lazyProduct(r);
-    const double squared = y_g.dot(r.lazyProduct(y_g));
-    const double score = 0.5 * (std::min(squared, 9.0 * count) - s_r.trace());
-    const double information = 0.5 * s_r.cwiseProduct(s_r.transpose()).sum();
+    Matrix6d r = Matrix6d::Zero();
+    for (int i = first; i < first + count; ++i) {
+      for (int k = first; k < first + count; ++k) r(i, k) = inlier.white(i, k);
+    }
+    const Matrix6d s_r = s_inverse * r;
+    const double score = 0.5 * (std::min(y.dot(r * y), 9.0 * count) - s_r.trace());
+    const double information = 0.5 * (s_r * s_r).trace();
     information_[first] += weight * information;
     const double prior = 0.5 * settings.noise_scale_detections * count;
     const double step =
