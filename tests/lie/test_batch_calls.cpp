@@ -161,11 +161,39 @@ TEST(BatchCalls, NoItemsAreNoWork) {
 }
 
 TEST(BatchCalls, NumbersOfItemsThatDifferAreRefused) {
+  const std::vector<Eigen::Vector3d> phi(2);
+  const std::vector<Vector6d> xi(2);
+  std::vector<SO3d> r(3);
   std::vector<SE3d> x(3);
-  std::vector<Matrix6d> p(2);
-  EXPECT_THROW(batch::exp(std::vector<Vector6d>(2), x), InvalidInput);
-  EXPECT_THROW(batch::compose(x, std::vector<SE3d>(4), x), InvalidInput);
-  EXPECT_THROW(batch::inverse({x, p}, {x, p}), InvalidInput);
+  std::vector<Eigen::Vector3d> phi_out(2);
+  std::vector<Vector6d> xi_out(2);
+  std::vector<Eigen::Matrix3d> small(3);
+  std::vector<Matrix6d> p(3);
+  std::vector<TwistMatrix<double>> blocks(3);
+  EXPECT_THROW(batch::exp(phi, r), InvalidInput);
+  EXPECT_THROW(batch::exp(xi, x), InvalidInput);
+  EXPECT_THROW(batch::log(r, phi_out), InvalidInput);
+  EXPECT_THROW(batch::log(x, xi_out), InvalidInput);
+  EXPECT_THROW(batch::left_jacobian(phi, small), InvalidInput);
+  EXPECT_THROW(batch::left_jacobian(xi, p), InvalidInput);
+  EXPECT_THROW(batch::left_jacobian(xi, blocks), InvalidInput);
+  EXPECT_THROW(batch::left_jacobian_inverse(phi, small), InvalidInput);
+  EXPECT_THROW(batch::left_jacobian_inverse(xi, p), InvalidInput);
+  EXPECT_THROW(batch::left_jacobian_inverse(xi, blocks), InvalidInput);
+  std::vector<SO3d> r_out(4);
+  std::vector<SE3d> x_out(4);
+  EXPECT_THROW(batch::compose(r, r, r_out), InvalidInput);
+  EXPECT_THROW(batch::compose(x, x, x_out), InvalidInput);
+  EXPECT_THROW(batch::compose(r, r_out, r), InvalidInput);
+  EXPECT_THROW(batch::compose(x, x_out, x), InvalidInput);
+  EXPECT_THROW(batch::inverse(r, r_out), InvalidInput);
+  EXPECT_THROW(batch::inverse(x, x_out), InvalidInput);
+  std::vector<Matrix6d> p_out(4);
+  EXPECT_THROW(batch::adjoint_congruence(x, p, p_out), InvalidInput);
+  EXPECT_THROW(batch::adjoint_congruence(x_out, p, p), InvalidInput);
+  EXPECT_THROW(batch::compose({x, p}, {x, p_out}, {x, p}), InvalidInput);
+  EXPECT_THROW(batch::between({x, p}, {x, p}, {x, p_out}), InvalidInput);
+  EXPECT_THROW(batch::inverse({x, p_out}, {x, p}), InvalidInput);
 }
 
 }  // namespace

@@ -78,6 +78,15 @@ TEST(PoseChecks, ANoiseHasNoNegativeVarianceInAnyDirection) {
   noise(2, 2) = 0.0;
   noise(2, 3) = noise(3, 2) = 0.01;
   EXPECT_EQ(refused(noise), "it is not positive semidefinite");
+  // What counts as rounding beside a variance of zero is a part of the largest entry, in any units.
+  for (const double unit : {1e-6, 1.0, 1e6}) {
+    noise = unit * Matrix6d::Identity();
+    noise(2, 2) = 0.0;
+    noise(2, 3) = noise(3, 2) = 1e-8 * unit;
+    EXPECT_EQ(refused(noise), "it is not positive semidefinite") << unit;
+    noise(2, 3) = noise(3, 2) = 1e-10 * unit;
+    EXPECT_NO_THROW(check_noise(noise, "it")) << unit;
+  }
 }
 
 }  // namespace

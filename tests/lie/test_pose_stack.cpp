@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -64,6 +65,22 @@ TEST(PoseStack, CongruenceReadsTheUpperBlocksOnly) {
   p.block<6, 6>(6, 0).setConstant(99);
   p.block<6, 12>(12, 0).setConstant(99);
   EXPECT_EQ(a.adjoint_congruence(p), want);
+}
+
+TEST(PoseStack, ASumOfCongruencesIsTheSumOfThem) {
+  const VectorXd xi = 0.5 * example(3).log();
+  const MatrixXd root = MatrixXd::NullaryExpr(18, 18, [](Eigen::Index i, Eigen::Index j) {
+    return std::sin(static_cast<double>(1 + 3 * i + 7 * j));
+  });
+  const MatrixXd p = root * root.transpose();
+  MatrixXd sum = MatrixXd::Identity(18, 18);
+  PoseStackd::add_left_jacobian_inverse_congruence(xi, p, 0.3, sum);
+  const MatrixXd j = PoseStackd::left_jacobian_inverse(xi);
+  const MatrixXd expected = MatrixXd::Identity(18, 18) + 0.3 * j * p * j.transpose();
+  EXPECT_LT((sum - expected).norm(), 1e-13 * expected.norm());
+  MatrixXd small = MatrixXd::Zero(12, 12);
+  EXPECT_THROW(PoseStackd::add_left_jacobian_inverse_congruence(xi, p, 0.3, small), InvalidInput);
+  EXPECT_THROW(PoseStackd::add_left_jacobian_inverse_congruence(xi, small, 0.3, sum), InvalidInput);
 }
 
 TEST(PoseStack, AssignmentOfTheSameSizeKeepsItsStorage) {
