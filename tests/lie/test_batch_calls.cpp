@@ -110,14 +110,29 @@ TEST(BatchCalls, TheBitsAreTheSameForAnyNumberOfThreads) {
   const std::vector<Vector6d> xi = tangents(50001);
   std::vector<SE3d> one(xi.size());
   std::vector<Matrix6d> one_jacobians(xi.size());
+  std::vector<Vector6d> one_logs(xi.size());
+  std::vector<SE3d> one_means(xi.size());
+  std::vector<Matrix6d> one_covariances(xi.size());
   batch::exp(xi, one);
+  batch::log(one, one_logs);
   batch::left_jacobian_inverse(xi, one_jacobians);
+  const Matrix6d own = Vector6d::LinSpaced(6, 1.0, 6.0).asDiagonal();
+  const std::vector<Matrix6d> p(xi.size(), own);
+  batch::compose({one, p}, {one, p}, {one_means, one_covariances});
   for (const std::size_t threads : {0u, 2u, 3u, 7u}) {
     std::vector<SE3d> several(xi.size());
     std::vector<Matrix6d> jacobians(xi.size());
     batch::exp(xi, several, threads);
     batch::left_jacobian_inverse(xi, jacobians, threads);
+    std::vector<Vector6d> logs(xi.size());
+    batch::log(one, logs, threads);
+    std::vector<SE3d> means(xi.size());
+    std::vector<Matrix6d> covariances(xi.size());
+    batch::compose({one, p}, {one, p}, {means, covariances}, threads);
     for (std::size_t i = 0; i < xi.size(); ++i) {
+      ASSERT_EQ(logs[i], one_logs[i]) << threads << " threads, item " << i;
+      ASSERT_EQ(means[i].matrix(), one_means[i].matrix()) << threads << " threads, item " << i;
+      ASSERT_EQ(covariances[i], one_covariances[i]) << threads << " threads, item " << i;
       ASSERT_EQ(several[i].matrix(), one[i].matrix()) << threads << " threads, item " << i;
       ASSERT_EQ(jacobians[i], one_jacobians[i]) << threads << " threads, item " << i;
     }
