@@ -100,6 +100,9 @@ TEST(PoseStack, RejectsSizesThatDoNotFit) {
   EXPECT_THROW(PoseStackd(2).adjoint_congruence(MatrixXd::Identity(6, 6)), InvalidInput);
   EXPECT_THROW(PoseStackd::left_jacobian_congruence(VectorXd::Zero(12), MatrixXd::Identity(12, 18)),
                InvalidInput);
+  // That of double has vector instructions, and is a function of its own.
+  EXPECT_THROW(PoseStack<float>(2).adjoint_congruence(Eigen::MatrixXf::Identity(6, 6)),
+               InvalidInput);
   EXPECT_FALSE(PoseStackd(2).is_approx(PoseStackd(3), 1.0));
   EXPECT_FALSE(PoseStackd(3).is_approx(example(3), 1e-3));
 }
