@@ -146,8 +146,13 @@ void log_sums_of(const double* log_weights, std::size_t components, const EmRow*
   const V zero = hn::Zero(D());
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
     V largest = set(-1e308);
-    for (std::size_t k = 0; k < components; ++k)
-      largest = hn::Max(largest, hn::Add(set(log_weights[k]), load(terms[k], i)));
+    // What is not a number makes the sum none; comparisons alone would take it for zero.
+    auto is_no_number = hn::IsNaN(zero);
+    for (std::size_t k = 0; k < components; ++k) {
+      const V term = hn::Add(set(log_weights[k]), load(terms[k], i));
+      is_no_number = hn::Or(is_no_number, hn::IsNaN(term));
+      largest = hn::Max(largest, term);
+    }
     V sum = zero;
     for (std::size_t k = 0; k < components; ++k) {
       const V log = hn::Sub(hn::Add(set(log_weights[k]), load(terms[k], i)), largest);
@@ -156,7 +161,8 @@ void log_sums_of(const double* log_weights, std::size_t components, const EmRow*
         sum = hn::Add(sum, hn::IfThenElseZero(counts, exp_of_negative(log)));
     }
     const V log = hn::Add(largest, hn::Log(D(), sum));
-    store(hn::IfThenElse(hn::Gt(sum, zero), log, hn::Neg(hn::Inf(D()))), out, i);
+    const V of_numbers = hn::IfThenElse(hn::Gt(sum, zero), log, hn::Neg(hn::Inf(D())));
+    store(hn::IfThenElse(is_no_number, hn::NaN(D()), of_numbers), out, i);
   }
 }
 

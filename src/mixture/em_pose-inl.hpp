@@ -24,6 +24,20 @@ HWY_INLINE V twice_slope_of(V ratio, V second_order, V u) {
   return hn::IfThenElse(hn::Lt(u, set(kSeriesBelow)), small, closed);
 }
 
+/// The sign bit of a quaternion's w. Of the two quaternions of a half turn, w = 0, that one is
+/// taken whose first coordinate other than zero is positive, as SO3::log() does.
+HWY_INLINE V sign_of(const Quaternion& r) {
+  const V zero = hn::Zero(D());
+  const auto half_turn = hn::Eq(r.w, zero);
+  V decides = r.w;
+  if (!hn::AllFalse(D(), half_turn)) {
+    const V y_or_z = hn::IfThenElse(hn::Ne(r.v.y, zero), r.v.y, r.v.z);
+    const V first = hn::IfThenElse(hn::Ne(r.v.x, zero), r.v.x, y_or_z);
+    decides = hn::IfThenElse(half_turn, first, r.w);
+  }
+  return hn::And(decides, hn::SignBit(D()));
+}
+
 /// With phi = Log(X X0^-1), whose log volume is half of that of a pose.
 void rotation_log_density(const EmRow* samples, std::size_t count, const RotationKernel& density,
                           EmRow& out) {
@@ -36,7 +50,7 @@ void rotation_log_density(const EmRow* samples, std::size_t count, const Rotatio
     const V ratio = powers.polynomial(kHalfAngleOverSine);
     const V pose_log_volume = powers.polynomial(kLogVolume);
     const V twice = hn::Add(ratio, ratio);
-    const V3 phi = scaled(hn::Xor(twice, hn::And(r.w, hn::SignBit(D()))), r.v);
+    const V3 phi = scaled(hn::Xor(twice, sign_of(r)), r.v);
     const V xi[3] = {phi.x, phi.y, phi.z};
     const V minus_twice_log = hn::Add(squared_norm<3>(density.factor, xi), pose_log_volume);
     store(hn::NegMulAdd(set(0.5), minus_twice_log, set(density.log_constant)), out, i);
@@ -60,7 +74,7 @@ void pose_log_density(const EmRow* samples, std::size_t count, const PoseKernel&
     const V ratio = powers.polynomial(kHalfAngleOverSine);
     const V log_volume = powers.polynomial(kLogVolume);
     const V twice = hn::Add(ratio, ratio);
-    const V3 phi = scaled(hn::Xor(twice, hn::And(r.w, hn::SignBit(D()))), r.v);
+    const V3 phi = scaled(hn::Xor(twice, sign_of(r)), r.v);
     const V second_order = second_order_of(ratio, cosine, hn::Mul(twice, twice));
     const V3 t = load3(samples + 4, i);
     const V3 d = {hn::Sub(t.x, centre.x), hn::Sub(t.y, centre.y), hn::Sub(t.z, centre.z)};

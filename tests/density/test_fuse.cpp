@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 
 #include "posemix/density/operations.hpp"
@@ -83,6 +84,39 @@ TEST(FuseOnVectors, HoldsForDeviationsOfManySizes) {
   }
   const Eigen::Vector3d swapped = fuse(q, p).density.mean().value() - fused.density.mean().value();
   EXPECT_LT(swapped.norm(), 1e-8);
+}
+
+/// A plane turned by `angle`: the deviations are 1 m along it and `thin` [m^2 of variance] across.
+ConcentratedGaussian<Rnd<2>> thin_gaussian(const Eigen::Vector2d& mean, double angle, double wide,
+                                           double thin) {
+  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(angle).toRotationMatrix();
+  Eigen::Matrix2d covariance = turn * Eigen::Vector2d(wide, thin).asDiagonal() * turn.transpose();
+  symmetrize(covariance);
+  return {Rnd<2>(mean), covariance};
+}
+
+TEST(FuseOnVectors, OfOneMeanHasThatMeanHoweverFarAndThin) {
+  for (const double thin : {1e-4, 1e-8, 1e-10, 1e-12}) {
+    for (const double far : {1.0, 1e3, 1e6}) {
+      const Eigen::Vector2d mean(far, 0.3 * far);
+      const auto p = thin_gaussian(mean, 0.5, 1.0, thin);
+      const auto q = thin_gaussian(mean, 0.5, 2.0, 3.0 * thin);
+      EXPECT_EQ(fuse(p, q).density.mean().value(), mean) << thin << ' ' << far;
+    }
+  }
+}
+
+TEST(FuseOnVectors, StaysPositiveDefiniteWhereBothAreThinInOneDirection) {
+  const auto p = thin_gaussian({0.0, 0.0}, 0.314, 1.0, 1e-12);
+  const auto q = thin_gaussian({0.0, 0.0}, 0.31401, 1.0, 1e-12);
+  const Eigen::Matrix2d covariance = fuse(p, q).density.covariance();
+  EXPECT_EQ(Eigen::LLT<Eigen::Matrix2d>(covariance).info(), Eigen::Success) << covariance;
+  using Matrix = Eigen::Matrix<long double, 2, 2>;
+  const Matrix info_p = p.covariance().cast<long double>().inverse();
+  const Matrix info_q = q.covariance().cast<long double>().inverse();
+  const Matrix expected = (info_p + info_q).inverse();
+  EXPECT_NEAR(covariance.trace(), static_cast<double>(expected.trace()),
+              1e-3 * static_cast<double>(expected.trace()));
 }
 
 TYPED_TEST(FuseOn, IsSymmetricInItsArguments) {

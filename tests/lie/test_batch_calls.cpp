@@ -180,8 +180,8 @@ TEST(BatchCalls, NumbersOfItemsThatDifferAreRefused) {
   const std::vector<Vector6d> xi(2);
   std::vector<SO3d> r(3);
   std::vector<SE3d> x(3);
-  std::vector<Eigen::Vector3d> phi_out(2);
-  std::vector<Vector6d> xi_out(2);
+  std::vector<Eigen::Vector3d> phi_out(4);
+  std::vector<Vector6d> xi_out(4);
   std::vector<Eigen::Matrix3d> small(3);
   std::vector<Matrix6d> p(3);
   std::vector<TwistMatrix<double>> blocks(3);

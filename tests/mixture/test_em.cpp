@@ -176,6 +176,11 @@ TEST(Em, RefusesBadInput) {
   EXPECT_EQ(message(samples, {}, {.components = 5}),
             "EM: 30 samples of positive weight, expected at least 35 for so many components");
   EXPECT_EQ(message(samples, {}, {.components = 0}), "EM: components is 0, expected one or more");
+  EXPECT_EQ(message(samples, {}, {.max_iterations = 0}),
+            "EM: max_iterations is 0, expected one or more");
+  EXPECT_EQ(message(samples, {}, {.restarts = 0}), "EM: restarts is 0, expected one or more");
+  EXPECT_EQ(message(samples, {}, {.tolerance = -1.0}),
+            "EM: tolerance is -1, expected zero or more");
   EXPECT_EQ(message(samples, {}, {.min_sd = 0.0}),
             "EM: min_sd is 0, expected a finite number above zero");
   EXPECT_EQ(message(samples, {}, {.unit = Eigen::VectorXd::Ones(3)}),

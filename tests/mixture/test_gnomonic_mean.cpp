@@ -42,6 +42,25 @@ TEST(GnomonicMean, IsWhereTheMeanOfUVanishes) {
   }
 }
 
+TEST(GnomonicMean, WhatHasNoWeightMayLieAnywhere) {
+  const auto half_turn = SO3d::from_quaternion(Eigen::Quaterniond(0.0, 1.0, 0.0, 0.0));
+  const MeanResult<SO3d> mean =
+      gnomonic_mean(std::vector{SO3d(), half_turn}, std::vector{1.0, 0.0});
+  EXPECT_TRUE(mean.converged);
+  EXPECT_TRUE(mean.mean.is_approx(SO3d(), 0.0));
+}
+
+TEST(TangentMomentsOfProjected, HaveAnExactlySymmetricCovariance) {
+  RandomStream stream(5);
+  std::vector<Component<testing::Projected<SE3d>>> parts;
+  for (int k = 0; k < 4; ++k) {
+    parts.push_back({0.0, testing::Projected<SE3d>(testing::random_element<SE3d>(0.4, stream),
+                                                   testing::random_covariance<SE3d>(0.5, stream))});
+  }
+  const Matrix6d covariance = tangent_moments<SE3d>(parts, SO3d()).covariance();
+  EXPECT_EQ(covariance, covariance.transpose());
+}
+
 TEST(GnomonicMean, OfTwoIsOnTheGeodesicHoweverFarTheyAreApart) {
   for (const double angle : {10.0, 90.0, 170.0, 180.0}) {
     const std::vector rotations{SO3d(), SO3d::exp({0.0, angle * kOneDegree, 0.0})};

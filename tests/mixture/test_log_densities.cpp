@@ -135,6 +135,41 @@ TEST(LogDensitiesOfMixtures, AreMinusInfinityWhereAProjectedGaussianHasNoCoordin
   EXPECT_NEAR(logs[1], peak.log_density(SO3d()), 1e-12);
 }
 
+TEST(LogDensitiesOfMixtures, OfAHalfTurnAreThoseOfEitherQuaternion) {
+  RandomStream stream(33);
+  internal::by_every_instruction_set([&] {
+    const auto density = random_mixture<SE3d>(1, 0.0, 0.5, stream)[0].density;
+    std::vector<SE3d> points;
+    for (int k = 0; k < 40; ++k) {
+      // Axes with and without zeros, and both signs of them.
+      Eigen::Vector3d axis(k % 2 == 0 ? stream.normal() : 0.0, k % 3 == 0 ? stream.normal() : 0.0,
+                           stream.normal());
+      axis.normalize();
+      const double sign = k % 4 < 2 ? 1.0 : -1.0;
+      points.emplace_back(SO3d::from_quaternion(Eigen::Quaterniond(
+                              0.0, sign * axis.x(), sign * axis.y(), sign * axis.z())),
+                          Eigen::Vector3d(1.0, 2.0, 3.0));
+    }
+    const ConcentratedGaussian<SE3d> centred(SE3d(), density.covariance());
+    const ConcentratedGaussian<SE3d>::Evaluator evaluator(centred);
+    const std::vector<double> logs = log_densities(centred, std::span<const SE3d>(points));
+    for (std::size_t i = 0; i < points.size(); ++i)
+      ASSERT_NEAR(logs[i], evaluator.log_density(points[i]), 1e-11 * std::abs(logs[i])) << i;
+  });
+}
+
+TEST(LogDensitiesOfMixtures, OfWhatIsNoNumberAreNone) {
+  const Gaussian<Rnd<2>> peak(Rnd<2>(), Eigen::Matrix2d::Identity());
+  const Mixture<Gaussian<Rnd<2>>> mixture({{0.0, peak}, {0.0, peak}});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Rnd<2>> points(9);
+  points[4] = Rnd<2>(Eigen::Vector2d(nan, 0.0));
+  internal::by_every_instruction_set([&] {
+    const std::vector<double> logs = log_densities(mixture, std::span<const Rnd<2>>(points));
+    for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(std::isnan(logs[i]), i == 4) << i;
+  });
+}
+
 TEST(LogDensitiesOfMixtures, RefuseVectorsOfAnotherDimension) {
   using Any = Rnd<Eigen::Dynamic>;
   const Gaussian<Any> peak(Any(Eigen::VectorXd::Zero(2)), Eigen::MatrixXd::Identity(2, 2));

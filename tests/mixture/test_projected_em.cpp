@@ -169,6 +169,32 @@ TEST(ProjectedEm, BoundedCovarianceIsTheMostLikely) {
   }
 }
 
+TEST(ProjectedEm, AStartBeyondTheBoundsKeepsWhatItsTranslationTellsOfItsRotation) {
+  RandomStream stream(14);
+  const Projected<SE3d> wide(SE3d(), testing::random_covariance<SE3d>(2.0, stream));
+  const auto slope = [](const Matrix6d& p) -> Eigen::Matrix3d {
+    return p.bottomLeftCorner<3, 3>() * p.topLeftCorner<3, 3>().inverse();
+  };
+  const EmSettings settings{.min_sd = 0.1, .max_sd = 0.5};
+  const Matrix6d bounded = EmModel<Projected<SE3d>>::prepared(wide, settings).covariance();
+  const auto spread = [](const Matrix6d& p) { return p.diagonal().head<3>().sum(); };
+  EXPECT_LT(spread(bounded), spread(wide.covariance()));
+  EXPECT_LT((slope(bounded) - slope(wide.covariance())).norm(), 1e-12);
+  EXPECT_EQ(bounded, bounded.transpose());
+  EmSettings diagonal = settings;
+  diagonal.diagonal = true;
+  EXPECT_TRUE(EmModel<Projected<SE3d>>::prepared(wide, diagonal).covariance().isDiagonal(0.0));
+}
+
+TEST(ProjectedEm, CovariancesAreExactlySymmetric) {
+  RandomStream stream(15);
+  for (int k = 0; k < 20; ++k) {
+    const Eigen::Matrix3d moment = testing::random_covariance<SO3d>(0.5, stream);
+    const Eigen::Matrix3d fitted = internal::bounded_projected_covariance(moment, {});
+    EXPECT_EQ(fitted, fitted.transpose());
+  }
+}
+
 TEST(ProjectedEm, FixedMeansStay) {
   RandomStream stream(9);
   const auto samples = draws(three_poses<Projected<SE3d>>(), 300, stream);

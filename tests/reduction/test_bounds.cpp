@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <gtest/gtest.h>
 
@@ -119,6 +120,36 @@ TEST(Bounds, HoldForAWholeReduction) {
     EXPECT_LE(merged.kl + merged.reverse_kl, merging.report.bounded_loss->merged_symmetric_kl);
     EXPECT_EQ(merging.report.bounded_loss->dropped, 0.0);
   }
+}
+
+TEST(Bounds, AreTheFormulasOfTheParts) {
+  const Line merged = on_line(0.5, 2.0);
+  const Line near = on_line(0.0, 1.0);
+  const Line other = on_line(1.0, 1.5);
+  // The last one has no weight, and lies so far away that its divergence is infinite.
+  const std::vector<Component<Line>> before{
+      {std::log(0.2), on_line(3.0, 1.0)},
+      {std::log(0.3), near},
+      {std::log(0.5), other},
+      {-std::numeric_limits<double>::infinity(), on_line(1e200, 1.0)}};
+  const Mixture<Line> after({{0.0, merged}});
+  const std::vector<std::size_t> to{kDropped, 0, 0, 0};
+  const BoundedLoss loss = bounded_loss(std::span(before), after, to);
+  const double forward = (0.3 * gaussian_kl(near, merged) + 0.5 * gaussian_kl(other, merged)) / 0.8;
+  const double backward =
+      (0.3 * gaussian_kl(merged, near) + 0.5 * gaussian_kl(merged, other)) / 0.8;
+  EXPECT_NEAR(loss.dropped, 0.2, 1e-15);
+  EXPECT_NEAR(loss.merged_kl, forward, 1e-14);
+  EXPECT_NEAR(loss.merged_symmetric_kl, forward + backward, 1e-14);
+  EXPECT_NEAR(loss.total_variation, 0.2 + std::sqrt(0.5 * forward), 1e-14);
+  EXPECT_NEAR(loss.kl_from_reduced, backward - std::log(0.8), 1e-14);
+  // One component alone, and one so far away that all is lost.
+  const std::vector<Component<Line>> one{{0.0, near}};
+  const std::vector<std::size_t> there{0};
+  EXPECT_NEAR(bounded_loss(std::span(one), after, there).merged_kl, gaussian_kl(near, merged),
+              1e-14);
+  const std::vector<Component<Line>> far{{0.0, on_line(100.0, 1.0)}};
+  EXPECT_EQ(bounded_loss(std::span(far), after, there).total_variation, 1.0);
 }
 
 TEST(Bounds, ReportSaysWhereEveryComponentWent) {

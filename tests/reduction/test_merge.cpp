@@ -236,6 +236,18 @@ TEST(Merge, MomentMatchedReportsWhenItHasNotConverged) {
       merge<SO3d>(components, {.rule = MergeRule::moment_matched, .max_iterations = 0}).converged);
 }
 
+TEST(MergeOnVectors, OfOneComponentSeveralTimesIsItWhateverTheWeights) {
+  const Eigen::Vector3d mean(1e6, -1e6, 1e6);
+  const ConcentratedGaussian<Rnd<3>> one(Rnd<3>(mean), 1e-6 * Eigen::Matrix3d::Identity());
+  // Normalised weights of the last do not sum to one: their logarithms have seven digits.
+  for (const double log_weight : {0.0, -700.0, -1e9}) {
+    const std::vector<Component<ConcentratedGaussian<Rnd<3>>>> three(3, {log_weight, one});
+    const auto merged = merged_by(MergeRule::midway, three).component.density;
+    EXPECT_EQ(merged.mean().value(), mean);
+    EXPECT_LT((merged.covariance() - one.covariance()).norm(), 1e-20);
+  }
+}
+
 TEST(MergeOnVectors, RefusesSeveralDimensions) {
   using Any = Rnd<Eigen::Dynamic>;
   const auto zero = [](Eigen::Index n) {
@@ -272,6 +284,12 @@ TEST(Merge, RejectsWhatItCannotMerge) {
   }
   EXPECT_EQ(testing::thrown_message([&] {
               merged_by(static_cast<MergeRule>(7), Components<SO3d>{one, one});
+            }),
+            "merge: unknown rule");
+  const Component<ConcentratedGaussian<Rnd<3>>> vector{0.0,
+                                                       {Rnd<3>(), Eigen::Matrix3d::Identity()}};
+  EXPECT_EQ(testing::thrown_message([&] {
+              merged_by(static_cast<MergeRule>(7), Components<Rnd<3>>{vector, vector});
             }),
             "merge: unknown rule");
 }

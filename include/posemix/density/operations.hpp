@@ -137,9 +137,9 @@ FuseResult<ConcentratedGaussian<G>> fuse_from(G mode, const ConcentratedGaussian
   return {ConcentratedGaussian<G>::trusted(mode, covariance), log_overlap, converged, iteration};
 }
 
-/// The product of Gaussians on R^n in closed form. With S = P + Q, A = Q S^-1 and B = P S^-1 it has
-/// the mean A p + B q and, in Joseph's form, which stays positive definite, the covariance
-/// A P A^T + B Q B^T; its integral is N(q - p; 0, S).
+/// The product of Gaussians on R^n. With P = L L^T, Q = K K^T, W = K^-1 L and M = I + W^T W it has
+/// the covariance C = L M^-1 L^T, which no subtraction makes indefinite, and the mean a + C Q^-1 (b
+/// - a), which is refined once; its integral is N(b - a; 0, P + Q).
 template <int N>
 FuseResult<ConcentratedGaussian<Rnd<N>>> fuse_vectors(const ConcentratedGaussian<Rnd<N>>& p,
                                                       const ConcentratedGaussian<Rnd<N>>& q) {
@@ -147,13 +147,19 @@ FuseResult<ConcentratedGaussian<Rnd<N>>> fuse_vectors(const ConcentratedGaussian
   using Vector = typename Rnd<N>::Tangent;
   const Vector& a = p.mean().value();
   const Vector& b = q.mean().value();
-  const Eigen::LLT<Matrix> sum(p.covariance() + q.covariance());
-  const Matrix of_p = sum.solve(q.covariance()).transpose();
-  const Matrix of_q = sum.solve(p.covariance()).transpose();
-  Matrix covariance = of_p * p.covariance() * of_p.transpose();
-  covariance += of_q * q.covariance() * of_q.transpose();
+  const Eigen::Index n = p.dof();
+  const Eigen::LLT<Matrix> of_p(p.covariance());
+  const Eigen::LLT<Matrix> of_q(q.covariance());
+  const Matrix l = of_p.matrixL();
+  const Matrix w = of_q.matrixL().solve(l);
+  const Eigen::LLT<Matrix> m(Matrix(Matrix::Identity(n, n) + w.transpose() * w));
+  const Matrix root = m.matrixL().solve(Matrix(l.transpose()));
+  Matrix covariance = root.transpose() * root;
   symmetrize(covariance);
-  return {ConcentratedGaussian<Rnd<N>>::trusted(Rnd<N>(of_p * a + of_q * b), std::move(covariance)),
+  Vector mean = a + covariance * of_q.solve(Vector(b - a));
+  mean += covariance * (of_p.solve(Vector(a - mean)) + of_q.solve(Vector(b - mean)));
+  const Eigen::LLT<Matrix> sum(p.covariance() + q.covariance());
+  return {ConcentratedGaussian<Rnd<N>>::trusted(Rnd<N>(mean), std::move(covariance)),
           log_normal(sum, Vector(b - a)), true, 1};
 }
 

@@ -37,7 +37,7 @@ class EmCoordinates {
       : EmCoordinates(elements.size(), elements.empty() ? 0 : elements.front().dof()) {
     for (std::size_t i = 0; i < size_; ++i) {
       check_dimensions(i, elements[i].dof());
-      EmRow* rows = &rows_[i / kEmBlock * dimensions_];
+      EmRow* rows = rows_.data() + i / kEmBlock * dimensions_;
       for (std::size_t j = 0; j < dimensions_; ++j)
         rows[j][i % kEmBlock] = elements[i].value()[static_cast<Eigen::Index>(j)];
     }
@@ -45,7 +45,9 @@ class EmCoordinates {
 
   std::size_t size() const { return size_; }
   /// The rows of the block that begins at the sample `begin`, a multiple of kEmBlock.
-  const EmRow* block(std::size_t begin) const { return &rows_[begin / kEmBlock * dimensions_]; }
+  const EmRow* block(std::size_t begin) const {
+    return rows_.data() + begin / kEmBlock * dimensions_;
+  }
 
  private:
   /// Zeros.
@@ -92,7 +94,7 @@ constexpr std::size_t em_second_moment(std::size_t n, std::size_t i, std::size_t
 double shares_from_log_terms(const EmRow& weights, std::size_t count, std::span<EmRow> terms);
 
 /// log sum_k exp(log_weights_k + terms_k) for a block of log densities in rows, one per component;
-/// -inf where all are.
+/// -inf where all are, and not a number where one is not.
 void log_sums(std::span<const double> log_weights, std::size_t count, std::span<const EmRow> terms,
               EmRow& out);
 

@@ -14,9 +14,10 @@
 #include "posemix/mixture/mixture.hpp"
 
 /// Log densities at many elements at once, by the widest vector instructions of the machine.
-/// `Evaluator`, which takes one element at a time, is the reference: values agree to 1e-13 of the
-/// largest term that they are made of (log det P, xi^T P^-1 xi). The bits of a value depend on its
-/// element alone, not on the others.
+/// `Evaluator`, which takes one element at a time, is the reference. The two differ by the rounding
+/// of both: relative to xi^T P^-1 xi, a few units in the last place times the condition number of
+/// the correlations of P and times |t| over a standard deviation. The bits of a value depend on its
+/// element alone, not on the others; what is not a number gives none.
 namespace posemix {
 namespace internal {
 

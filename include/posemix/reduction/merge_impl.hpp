@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <numeric>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -134,17 +137,39 @@ ConcentratedGaussian<G> merged_vectors(const Carrying<ConcentratedGaussian<G>>& 
     throw InvalidInput(fmt::format("merge: components of {} and {} degrees of freedom",
                                    carrying.mean(0).dof(), density->dof()));
   }
-  Vector mean = carrying.weights[0] * carrying.mean(0).value();
+  // About the first mean, and by weights whose sum is one but for one rounding: the logarithms of
+  // small ones have lost digits.
+  const double total = std::accumulate(carrying.weights.begin(), carrying.weights.end(), 0.0);
+  const Vector& first = carrying.mean(0).value();
+  Vector mean = Vector::Zero(first.size());
   for (std::size_t i = 1; i < carrying.size(); ++i)
-    mean += carrying.weights[i] * carrying.mean(i).value();
+    mean += carrying.weights[i] / total * (carrying.mean(i).value() - first);
+  mean += first;
   Matrix covariance = Matrix::Zero(mean.size(), mean.size());
   for (std::size_t i = 0; i < carrying.size(); ++i) {
+    const double weight = carrying.weights[i] / total;
     const Vector apart = carrying.mean(i).value() - mean;
-    covariance.noalias() += carrying.weights[i] * apart * apart.transpose();
-    covariance += carrying.weights[i] * carrying.densities[i]->covariance();
+    covariance.noalias() += weight * apart * apart.transpose();
+    covariance += weight * carrying.densities[i]->covariance();
   }
   symmetrize(covariance);
   return ConcentratedGaussian<G>::trusted(G(mean), std::move(covariance));
+}
+
+/// The merge where it is found at once: of vectors, and of two stacks by vector instructions. The
+/// rule is a known one.
+template <class G>
+std::optional<ConcentratedGaussian<G>> merged_at_once(
+    const Carrying<ConcentratedGaussian<G>>& carrying, const MergeSettings& settings) {
+  if constexpr (kIsVectorSpace<G>) return merged_vectors(carrying);
+  if constexpr (std::same_as<G, PoseStackd>) {
+    if (is_stack_pair(carrying, settings)) {
+      const std::size_t first = settings.rule == MergeRule::midway ? 0 : carrying.heaviest();
+      return merged_pair(settings.rule, carrying.weights[first], carrying.weights[1 - first],
+                         *carrying.densities[first], *carrying.densities[1 - first]);
+    }
+  }
+  return std::nullopt;
 }
 
 /// Pointers to components that lie next to each other in memory.
@@ -176,17 +201,9 @@ MergeResult<ConcentratedGaussian<G>> merge(
   if (components.size() == 1) return {*components.front(), true};
   const double log_weight = carrying.log_total;
   if (carrying.size() == 1) return {{log_weight, *carrying.densities.front()}, true};
-  if constexpr (internal::kIsVectorSpace<G>)
-    return {{log_weight, internal::merged_vectors(carrying)}, true};
-  if constexpr (std::same_as<G, PoseStackd>) {
-    if (internal::is_stack_pair(carrying, settings)) {
-      const std::size_t first = settings.rule == MergeRule::midway ? 0 : carrying.heaviest();
-      return {{log_weight, internal::merged_pair(
-                               settings.rule, carrying.weights[first], carrying.weights[1 - first],
-                               *carrying.densities[first], *carrying.densities[1 - first])},
-              true};
-    }
-  }
+  require(!word_of(settings.rule).empty(), "merge: unknown rule");
+  if (auto merged = internal::merged_at_once(carrying, settings))
+    return {{log_weight, *std::move(merged)}, true};
 
   switch (settings.rule) {
     case MergeRule::midway: {

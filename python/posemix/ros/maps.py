@@ -8,6 +8,9 @@ import copy
 import hashlib
 import json
 import math
+import os
+import secrets
+import stat
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -109,19 +112,34 @@ def write_map(path: str, found: SavedMap) -> str:
     place = Path(path).expanduser()
     _check_writable(place)
     place.parent.mkdir(parents=True, exist_ok=True)
-    state = place.with_name(place.name + ".next")
-    found.slam.save(state)
+    # A link stays one, and a file has the permissions that it had.
+    target = Path(os.path.realpath(place))
+    state = target.with_name(f".{target.name}.{secrets.token_hex(8)}")
     try:
+        found.slam.save(state)
+        if target.exists():
+            state.chmod(stat.S_IMODE(target.stat().st_mode))
         note = _note_of(found, _digest(state))
         # Whichever of the two states is there after a kill, its note is there, too.
         if before := _note_beside(place):
             before.pop("before", None)
             note["before"] = before
         write_text(_note(place), json.dumps(note) + "\n")
-        state.replace(place)
+        _sync(_note(place))
+        state.replace(target)
+        _sync(target.parent)
     finally:
         state.unlink(missing_ok=True)
     return str(note["state_sha256"])
+
+
+def _sync(path: Path) -> None:
+    """Waits until a file, or the names in a folder, are on the disk."""
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def _note_of(found: SavedMap, digest: str) -> dict[str, Any]:

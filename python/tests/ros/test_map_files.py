@@ -65,6 +65,24 @@ def test_a_kill_between_a_map_and_its_note_costs_neither(tmp_path: Path, monkeyp
     assert (tmp_path / "kitchen.state.json").stat().st_size < 4000
 
 
+def test_a_map_goes_through_a_link_keeps_its_mode_and_touches_no_other_file(tmp_path: Path) -> None:
+    one = robot()
+    one.drive(0.0, 1.0, ["mug", "box", "jar"])
+    other = tmp_path / "kitchen.next"
+    other.write_text("precious")
+    place, disk = tmp_path / "kitchen", tmp_path / "disk" / "kitchen.state"
+    disk.parent.mkdir()
+    one.engine.save(str(disk))
+    disk.chmod(0o600)
+    before = disk.read_bytes()
+    place.symlink_to(disk)
+    one.drive(1.0, 2.0, ["mug", "box", "jar"])
+    one.engine.save(str(place))
+    assert place.is_symlink() and disk.read_bytes() != before and disk.stat().st_mode & 0o777 == 0o600
+    assert other.read_text() == "precious" and read_map(str(place)).start_ns is not None
+    assert sorted(p.name for p in disk.parent.iterdir()) == ["kitchen.state", "kitchen.state.json"]
+
+
 def test_a_map_is_written_over_maps_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     one = robot()
