@@ -146,11 +146,11 @@ void log_sums_of(const double* log_weights, std::size_t components, const EmRow*
   const V zero = hn::Zero(D());
   for (std::size_t i = 0; i < count; i += hn::Lanes(D())) {
     V largest = set(-1e308);
-    // What is not a number makes the sum none; comparisons alone would take it for zero.
-    auto is_no_number = hn::IsNaN(zero);
+    // A NaN stays one; comparisons alone would take its exponential for zero.
+    auto is_nan = hn::IsNaN(zero);
     for (std::size_t k = 0; k < components; ++k) {
       const V term = hn::Add(set(log_weights[k]), load(terms[k], i));
-      is_no_number = hn::Or(is_no_number, hn::IsNaN(term));
+      is_nan = hn::Or(is_nan, hn::IsNaN(term));
       largest = hn::Max(largest, term);
     }
     V sum = zero;
@@ -162,7 +162,7 @@ void log_sums_of(const double* log_weights, std::size_t components, const EmRow*
     }
     const V log = hn::Add(largest, hn::Log(D(), sum));
     const V of_numbers = hn::IfThenElse(hn::Gt(sum, zero), log, hn::Neg(hn::Inf(D())));
-    store(hn::IfThenElse(is_no_number, hn::NaN(D()), of_numbers), out, i);
+    store(hn::IfThenElse(is_nan, hn::NaN(D()), of_numbers), out, i);
   }
 }
 

@@ -179,6 +179,10 @@ TEST(LogDensitiesOfMixtures, RefuseVectorsOfAnotherDimension) {
   const Mixture<Gaussian<Any>> mixture({{0.0, peak}});
   EXPECT_EQ(thrown_message([&] { log_densities(mixture, std::span<const Any>(points)); }),
             expected);
+  std::vector<double> room(1);
+  EXPECT_EQ(thrown_message(
+                [&] { BatchEvaluator(mixture).log_densities(std::span<const Any>(points), room); }),
+            "log_densities: room for 1 results of 2 elements");
   EXPECT_EQ(thrown_message([&] { component_log_densities(mixture, std::span<const Any>(points)); }),
             expected);
 }

@@ -111,6 +111,10 @@ TEST(Distance, ReadsTheNamedCoordinates) {
   // Covariances I and 4 I: |d| / sqrt(5).
   EXPECT_NEAR(distance(at_origin, other, DistanceMetric::mahalanobis), std::sqrt(9.25 / 5.0),
               1e-14);
+  // Of poses without a turn between them.
+  const ConcentratedGaussian<SE3d> beside(SE3d(SO3d(), {0.0, 2.0, 0.0}), at_origin.covariance());
+  EXPECT_EQ(distance(at_origin, beside, DistanceMetric::rotation), 0.0);
+  EXPECT_EQ(distance(at_origin, beside, DistanceMetric::tangent_norm), 2.0);
 }
 
 TEST(Distance, SumsOverThePosesOfAStack) {

@@ -87,7 +87,7 @@ class Reader:
         elif cursor.kind == CursorKind.CALL_EXPR and parent.kind == CursorKind.COMPOUND_STMT:
             text = self.text(start, end)
             # It changes nothing but where memory is. In templates a call has no name.
-            if text.partition("(")[0].endswith(".reserve"):
+            if text.partition("(")[0].endswith((".reserve", "->reserve")):
                 return
             self.add(cursor, "statement", f"(posemix_mutant({{k}}) ? void() : void({text}))", "left out")
         if cursor.kind == CursorKind.IF_STMT and "constexpr" in [t.spelling for t in cursor.get_tokens()][:2]:

@@ -17,7 +17,7 @@
 /// `Evaluator`, which takes one element at a time, is the reference. The two differ by the rounding
 /// of both: relative to xi^T P^-1 xi, a few units in the last place times the condition number of
 /// the correlations of P and times |t| over a standard deviation. The bits of a value depend on its
-/// element alone, not on the others; what is not a number gives none.
+/// element alone, not on the others; NaN in, NaN out, but -inf of projected Gaussians, as by it.
 namespace posemix {
 namespace internal {
 
@@ -83,7 +83,10 @@ class BatchEvaluator {
   /// none. There are as many results as elements.
   /// @throws InvalidInput when sizes differ, or an element of R^n has another dimension
   void log_densities(std::span<const Group> elements, std::span<double> result) {
-    require(elements.size() == result.size(), "log_densities: sizes differ");
+    if (elements.size() != result.size()) {
+      throw InvalidInput(fmt::format("log_densities: room for {} results of {} elements",
+                                     result.size(), elements.size()));
+    }
     internal::check_dimensions(elements, dof_);
     densities_.for_each(
         elements, [&](std::size_t begin, std::size_t count, std::span<const EmRow> terms) {

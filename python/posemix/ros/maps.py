@@ -112,13 +112,14 @@ def write_map(path: str, found: SavedMap) -> str:
     place = Path(path).expanduser()
     _check_writable(place)
     place.parent.mkdir(parents=True, exist_ok=True)
-    # A link stays one, and a file has the permissions that it had.
+    # A link stays one, and a file has the permissions that it had, before anything is in it.
     target = Path(os.path.realpath(place))
     state = target.with_name(f".{target.name}.{secrets.token_hex(8)}")
     try:
-        found.slam.save(state)
         if target.exists():
+            state.touch(mode=0o600)
             state.chmod(stat.S_IMODE(target.stat().st_mode))
+        found.slam.save(state)
         note = _note_of(found, _digest(state))
         # Whichever of the two states is there after a kill, its note is there, too.
         if before := _note_beside(place):

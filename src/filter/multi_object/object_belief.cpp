@@ -118,11 +118,8 @@ std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint,
   updates.reserve(size());
   for (std::size_t h = 0; h < size(); ++h) {
     const DetectionState seen_from = state_from(joint, h, observation.source);
-    Explanation explanation = explain(seen_from, observation, sensor);
     updates.push_back(
-        joint.extrinsics() == 0
-            ? internal::moved_by(std::move(explanation), seen_from, factors)
-            : moved_by(joint, h, observation.source, std::move(explanation), factors));
+        moved_by(joint, h, observation.source, explain(seen_from, observation, sensor), factors));
   }
   return updates;
 }
