@@ -20,4 +20,5 @@
 #include "posemix/mixture/operations.hpp"
 #include "posemix/mixture/projected_mixture.hpp"
 #include "posemix/mixture/projected_operations.hpp"
+#include "posemix/mixture/samples.hpp"
 #include "posemix/mixture/tangent_moments.hpp"

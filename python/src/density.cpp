@@ -49,13 +49,7 @@ void bind_concentrated(nb::module_& m, const char* name) {
       .def(
           "sample",
           [](const D& self, std::size_t count, RandomStream& stream) {
-            const typename D::Covariance factor =
-                Eigen::LLT<Covariance>(self.covariance()).matrixL();
-            Eigen::VectorXd white(self.dof());
-            return drawn<G>(count, [&] {
-              stream.fill_normal(white);
-              return G::exp(typename G::Tangent(factor * white)) * self.mean();
-            });
+            return drawn(self, count, stream);
           },
           "count"_a, "stream"_a);
   bind_composition<D>(m);
@@ -136,13 +130,12 @@ void bind_stack(nb::module_& m) {
           [](const D& self, std::size_t count, RandomStream& stream) {
             NewArray out({count, self.mean().size(), 7});
             const nb::gil_scoped_release unlocked;
-            double* row = out.data;
-            for (std::size_t i = 0; i < count; ++i) {
-              for (const SE3d& pose : self.sample(stream)) {
+            for_each_draw(self, count, stream, [row = out.data](const PoseStackd& stack) mutable {
+              for (const SE3d& pose : stack) {
                 Wire<SE3d>::write(pose, row);
                 row += 7;
               }
-            }
+            });
             return std::move(out.array);
           },
           "count"_a, "stream"_a);
@@ -171,13 +164,17 @@ void bind_projected(nb::module_& m, const char* name) {
       .def(
           "sample",
           [](const D& self, std::size_t count, RandomStream& stream) {
-            return drawn<G>(count, [&] { return self.sample(stream); });
+            return drawn(self, count, stream);
           },
           "count"_a, "stream"_a)
       .def(
           "sample_by_projection",
           [](const D& self, std::size_t count, RandomStream& stream) {
-            return drawn<G>(count, [&] { return self.sample_by_projection(stream); });
+            NewArray out({count, Wire<G>::kSize});
+            const nb::gil_scoped_release unlocked;
+            for (std::size_t i = 0; i < count; ++i)
+              Wire<G>::write(self.sample_by_projection(stream), out.data + i * Wire<G>::kSize);
+            return std::move(out.array);
           },
           "count"_a, "stream"_a)
       .def(

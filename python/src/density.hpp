@@ -14,6 +14,7 @@
 #include "posemix/density/projected_gaussian.hpp"
 #include "posemix/mixture/log_densities.hpp"
 #include "posemix/mixture/mixture.hpp"
+#include "posemix/mixture/samples.hpp"
 
 namespace posemix::python {
 
@@ -162,13 +163,25 @@ Array log_densities_at(const D& density, const Rows& points) {
   return std::move(out.array);
 }
 
-/// `count` draws as rows.
-template <class G, class Draw>
-Array drawn(std::size_t count, Draw draw) {
-  NewArray out({count, Wire<G>::kSize});
+/// Calls `use` with `count` draws of a density or a mixture, of which a block is in memory.
+template <class D, class Use>
+void for_each_draw(const D& density, std::size_t count, RandomStream& stream, Use use) {
+  constexpr std::size_t kBlock = 4096;
+  for (std::size_t left = count; left > 0; left -= std::min(left, kBlock))
+    for (const auto& element : samples(density, std::min(left, kBlock), stream)) use(element);
+}
+
+/// `count` draws of a density or a mixture as rows.
+template <class D>
+Array drawn(const D& density, std::size_t count, RandomStream& stream) {
+  using Row = Wire<typename D::Group>;
+  NewArray out({count, Row::kSize});
   {
     const nb::gil_scoped_release unlocked;
-    for (std::size_t i = 0; i < count; ++i) Wire<G>::write(draw(), out.data + i * Wire<G>::kSize);
+    for_each_draw(density, count, stream, [row = out.data](const auto& element) mutable {
+      Row::write(element, row);
+      row += Row::kSize;
+    });
   }
   return std::move(out.array);
 }

@@ -70,7 +70,7 @@ nb::class_<Mixture<D>> bind_element_mixture(nb::module_& m, const char* name) {
       .def(
           "sample",
           [](const M& self, std::size_t count, RandomStream& stream) {
-            return drawn<G>(count, [&] { return self.sample(stream); });
+            return drawn(self, count, stream);
           },
           "count"_a, "stream"_a)
       .def(

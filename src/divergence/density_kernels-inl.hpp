@@ -39,6 +39,15 @@ HWY_INLINE V log_of_sum(const double* values, std::size_t count, std::size_t str
   const auto exponent = [=](std::size_t j)
                             HWY_ATTR { return hn::LoadU(D(), values + (2 * j + 1) * stride); };
   if (count == 1) return hn::Add(exponent(0), hn::Log(D(), gain(0)));
+  if (count == 2) {
+    // One exponential is that of zero.
+    const V largest = hn::Max(exponent(0), exponent(1));
+    const V smaller = hn::Exp(D(), hn::Sub(hn::Min(exponent(0), exponent(1)), largest));
+    const auto first_is_larger = hn::Ge(exponent(0), exponent(1));
+    const V first = hn::Mul(gain(0), hn::IfThenElse(first_is_larger, set(1.0), smaller));
+    const V second = hn::IfThenElse(first_is_larger, smaller, set(1.0));
+    return hn::Add(largest, hn::Log(D(), hn::MulAdd(gain(1), second, first)));
+  }
   V largest = exponent(0);
   for (std::size_t j = 1; j < count; ++j) largest = hn::Max(largest, exponent(j));
   V sum = hn::Zero(D());

@@ -19,15 +19,27 @@ bool is_inner_path(std::string_view path) {
   });
 }
 
+/// Where text and pattern part, the last star takes one character more; those before it need not be
+/// tried again.
 bool matches_pattern(std::string_view text, std::string_view pattern) {
-  const std::size_t star = pattern.find('*');
-  if (star == std::string_view::npos) return text == pattern;
-  if (text.size() < star || text.substr(0, star) != pattern.substr(0, star)) return false;
-  const std::string_view rest = pattern.substr(star + 1);
-  for (std::size_t begin = star; begin <= text.size(); ++begin) {
-    if (matches_pattern(text.substr(begin), rest)) return true;
+  std::size_t star = std::string_view::npos;
+  std::size_t star_ends = 0;
+  std::size_t p = 0;
+  for (std::size_t t = 0; t < text.size();) {
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      star_ends = t;
+    } else if (p < pattern.size() && pattern[p] == text[t]) {
+      ++p;
+      ++t;
+    } else if (star != std::string_view::npos) {
+      p = star + 1;
+      t = ++star_ends;
+    } else {
+      return false;
+    }
   }
-  return false;
+  return pattern.find_first_not_of('*', p) == std::string_view::npos;
 }
 
 }  // namespace posemix

@@ -32,9 +32,15 @@ std::string percent_encoded(std::string_view path) {
   return encoded;
 }
 
+/// Whether there is a space or a control character, at which a message or the transfer would end.
+bool has_space(std::string_view url) {
+  return std::any_of(url.begin(), url.end(),
+                     [](unsigned char c) { return c <= 0x20 || c == 0x7f; });
+}
+
 std::string read_address(const TomlTable& source, std::string_view key) {
   std::string url = source.get_string(key);
-  if (!url.starts_with("https://") && !url.starts_with("http://"))
+  if (has_space(url) || (!url.starts_with("https://") && !url.starts_with("http://")))
     source.fail(key, fmt::format("is {}, expected an address https://...", in_quotes(url, 200)));
   if (!url.ends_with('/')) url += '/';
   return url;
@@ -193,6 +199,11 @@ bool is_sha256(std::string_view text) {
 
 void check_url(const std::string& url, bool allow_http) {
   constexpr std::string_view kHttp = "http://";
+  if (has_space(url))
+    throw InvalidInput(
+        fmt::format("{}: got an address with a space or a control character, "
+                    "expected one without",
+                    in_quotes(url, 200)));
   if (url.starts_with("https://")) return;
   if (!url.starts_with(kHttp))
     throw InvalidInput(fmt::format("{}: got an address of another kind, expected https", url));

@@ -18,9 +18,10 @@ std::map<std::int64_t, SE3d> parse_pose_table(std::string_view text, const std::
   table.require_pose(prefix);
   std::map<std::int64_t, SE3d> poses;
   while (table.next()) {
-    const bool selected =
-        table.index("scene_id") == selection.scene && table.index("obj_id") == selection.object;
+    const std::int64_t scene = table.index("scene_id");
+    const std::int64_t object = table.index("obj_id");
     const std::int64_t image = table.index("im_id");
+    const bool selected = scene == selection.scene && object == selection.object;
     if (!selected || poses.emplace(image, table.pose(prefix)).second) continue;
     table.reader().fail(fmt::format("object {} in image {} of scene {} again", selection.object,
                                     image, selection.scene),

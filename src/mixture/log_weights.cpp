@@ -13,13 +13,7 @@
 namespace posemix {
 
 double log_sum_exp(std::span<const double> terms) {
-  constexpr double kMinusInfinity = -std::numeric_limits<double>::infinity();
-  if (terms.empty()) return kMinusInfinity;
-  const double largest = *std::max_element(terms.begin(), terms.end());
-  if (std::isinf(largest)) return largest;
-  double sum = 0.0;
-  for (const double term : terms) sum += std::exp(term - largest);
-  return largest + std::log(sum);
+  return log_sum_exp(terms.size(), [&](std::size_t i) { return terms[i]; });
 }
 
 void check_log_weights(std::span<const double> log_weights) {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/kept_matrices.hpp"
 #include "lie/pose_kernels.hpp"
 #include "lie/stack_kernels.hpp"
 #include "posemix/reduction/merge.hpp"
@@ -53,9 +54,13 @@ ConcentratedGaussian<PoseStackd> merged_pair(MergeRule rule, double w_1, double 
   work.distance *= std::sqrt(w_1 * w_2);
   const Congruence parts[] = {{work.first.data(), &first.covariance(), w_1},
                               {work.second.data(), &second.covariance(), w_2}};
-  Eigen::MatrixXd covariance(work.distance.rows(), work.distance.rows());
+  Eigen::MatrixXd covariance = kept_matrix(work.distance.rows());
   sum_congruences(parts, work.distance, covariance);
   return ConcentratedGaussian<PoseStackd>::trusted(std::move(mean), std::move(covariance));
+}
+
+void reuse(ConcentratedGaussian<PoseStackd>&& density) {
+  keep(std::move(density).release().second);
 }
 
 }  // namespace posemix::internal

@@ -85,7 +85,8 @@ std::vector<StampedImage> images_in(const fs::path& folder) {
   fs::directory_iterator at(folder, error);
   for (; !error && at != fs::directory_iterator(); at.increment(error)) {
     const fs::path& path = at->path();
-    if (!is_image_name(path)) continue;
+    std::error_code of_file;
+    if (!is_image_name(path) || !fs::is_regular_file(path, of_file)) continue;
     const std::string name = path.filename().string();
     std::optional<double> stamp;
     if (!stamps) {
@@ -99,7 +100,10 @@ std::vector<StampedImage> images_in(const fs::path& folder) {
                                             : "a number in the name, or a file stamps.csv with "
                                               "the columns name,stamp_s"));
     }
-    images.push_back({*stamp, path, static_cast<std::size_t>(fs::file_size(path))});
+    const std::uintmax_t bytes = fs::file_size(path, of_file);
+    if (of_file)
+      throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(), of_file.message()));
+    images.push_back({*stamp, path, static_cast<std::size_t>(bytes)});
   }
   if (error) {
     throw InvalidInput(fmt::format("{}: cannot be read: {}", folder.string(), error.message()));

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <functional>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -66,6 +69,39 @@ TEST(Paths, OnlyThoseThatStayInside) {
   EXPECT_FALSE(matches_pattern("a/b.zip", "b*"));
 }
 
+TEST(Paths, APatternStandsForAnyLettersAtItsStars) {
+  // By definition, for all names of up to five letters and patterns of up to four.
+  const std::function<bool(std::string_view, std::string_view)> matches =
+      [&](std::string_view text, std::string_view pattern) {
+        if (pattern.empty()) return text.empty();
+        if (pattern[0] != '*')
+          return !text.empty() && text[0] == pattern[0] &&
+                 matches(text.substr(1), pattern.substr(1));
+        for (std::size_t n = 0; n <= text.size(); ++n)
+          if (matches(text.substr(n), pattern.substr(1))) return true;
+        return false;
+      };
+  const auto words = [](std::string_view letters, std::size_t most) {
+    std::vector<std::string> all{""};
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      if (all[i].size() == most) continue;
+      for (const char letter : letters) all.push_back(all[i] + letter);
+    }
+    return all;
+  };
+  for (const std::string& pattern : words("ab*", 4)) {
+    for (const std::string& text : words("ab", 5))
+      ASSERT_EQ(matches_pattern(text, pattern), matches(text, pattern)) << text << ' ' << pattern;
+  }
+}
+
+TEST(Paths, APatternOfManyStarsTakesNoTime) {
+  std::string stars;
+  for (int k = 0; k < 30; ++k) stars += "*a";
+  EXPECT_FALSE(matches_pattern(std::string(1000, 'a'), stars + "*b"));
+  EXPECT_TRUE(matches_pattern(std::string(1000, 'a') + "b", stars + "*b"));
+}
+
 TEST(Addresses, HttpsOrThisMachine) {
   for (const char* good : {"https://example.org/", "http://localhost/", "http://127.0.0.1:80/a",
                            "http://[::1]:8080/a"})
@@ -76,6 +112,11 @@ TEST(Addresses, HttpsOrThisMachine) {
     EXPECT_NO_THROW(check_url(bad, true));
   }
   EXPECT_INVALID_WITH(check_url("file:///etc/passwd", true), "expected https");
+  // At a zero byte the address would end, at a line break the request.
+  for (const std::string& bad :
+       {std::string("https://a.org/\0b", 16), std::string("https://a.org/ b"),
+        std::string("http://localhost/\nb"), std::string("https://a.org/\x7f")})
+    EXPECT_INVALID_WITH(check_url(bad, true), "control character");
 }
 
 LockFile some_lock() {
@@ -120,6 +161,17 @@ TEST(Sources, AManifestHasADashForASumThatIsNotKnown) {
   EXPECT_EQ(files[2].path, "-  d");
   EXPECT_THROW(read("--  a\n"), InvalidInput);
   EXPECT_THROW(read("- \n"), InvalidInput);
+}
+
+TEST(Sources, AnAddressHasNoSpacesAndNoControlCharacters) {
+  for (const char* url : {"https://a.org/ b", "https://a.org/\\u0000b", "https://a.org\\n"}) {
+    const std::string text =
+        std::string("schema = 1\n[[sources]]\nname = \"a\"\ntitle = \"t\"\nlicence = \"l\"\n") +
+        "base_url = \"" + url + "\"\nmanifest = \"m\"\n";
+    EXPECT_INVALID_WITH(
+        parse_sources(TomlDocument::parse(text, "r"), [](const std::string&) { return "-  a\n"; }),
+        "expected an address https://");
+  }
 }
 
 TEST(Sources, DamagedFilesAreRefusedOrRead) {

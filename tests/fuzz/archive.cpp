@@ -14,11 +14,14 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostFiles = 16;
 
-/// Everything that lies in a folder is a file or a folder.
+/// Everything that lies in a folder is a file or a folder. Of a file, which may be an archive in an
+/// archive, the name says so whatever comes before its end.
 void expect_plain(const fs::path& folder) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const fs::file_status status = entry.symlink_status();
     expect(fs::is_regular_file(status) || fs::is_directory(status), "a link or a device");
+    const std::string name = entry.path().filename().string();
+    expect(!is_archive_name(name) || is_archive_name("a" + name), "another kind of file");
   }
 }
 

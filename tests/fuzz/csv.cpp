@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include "files.hpp"
 #include "invariants.hpp"
+#include "io/temporary_folder.hpp"
 #include "posemix/grasp/outcome.hpp"
 #include "posemix/io/grasp_outcomes.hpp"
 #include "posemix/io/object_poses.hpp"
@@ -8,9 +10,11 @@
 #include "posemix/io/pose_table.hpp"
 #include "target.hpp"
 
-/// Tables of poses, residuals, named poses and grasps.
+/// Tables of poses, residuals, named poses and grasps. What is taken is taken from a file, too.
 namespace posemix::fuzzing {
 namespace {
+
+using posemix::testing::TemporaryFolder;
 
 void read_samples(std::string_view text, PoseFormat format, const PoseSampleOptions& options = {}) {
   takes("f.csv", [&] {
@@ -34,6 +38,27 @@ void read_named_poses(std::string_view text) {
     for (const auto& [name, pose] : poses) expect_pose(pose);
     expect(parse_object_poses(format_object_poses(poses), "again").size() == poses.size(),
            "another number of objects after writing");
+    expect(read_object_poses(file_of(text)).size() == poses.size(), "other objects in the file");
+  });
+}
+
+/// A table of any name, whose end says in which format it is.
+void read_named_samples(std::string_view bytes) {
+  const NamedFile file(bytes);
+  if (const auto format = pose_format_of(file.name)) read_samples(file.content, *format);
+}
+
+void read_table(std::string_view text) {
+  takes("f.csv", [&] {
+    const auto poses = parse_pose_table(text, "f.csv", {2, 5}, "est_");
+    for (const auto& [image, pose] : poses) expect_pose(pose);
+    expect(read_pose_table(file_of(text), {2, 5}, "est_").size() == poses.size(),
+           "another number of poses in the file");
+  });
+  const auto path = file_of(text);
+  takes(path.string(), [&] {
+    for (const auto& [scene, objects] : read_table_objects(path))
+      expect(!objects.empty(), "a scene without an object");
   });
 }
 
@@ -42,6 +67,20 @@ void read_grasps(std::string_view text) {
     GraspOutcomes outcomes;
     parse_grasp_outcomes(text, "f.csv", "dataset", "estimator", outcomes);
   });
+}
+
+/// A table of any name in a folder of grasps.
+void read_grasp_folder(std::string_view bytes) {
+  static const TemporaryFolder folder;
+  const NamedFile file(bytes);
+  const auto path = folder.put("consensus-driven-uncertainty/" + file.name, file.content);
+  takes(folder.path().string(), [&] {
+    for (const GraspTrial& trial : read_grasp_outcomes(folder.path()).trials) {
+      expect_pose(trial.estimate);
+      expect(path.stem() == trial.dataset + "_" + trial.estimator, "a trial of another table");
+    }
+  });
+  std::filesystem::remove(path);
 }
 
 }  // namespace
@@ -61,12 +100,12 @@ POSEMIX_FUZZ_TARGET(csv) {
       return read_named_poses(choice.rest);
     case 'g':
       return read_grasps(choice.rest);
+    case 'd':
+      return read_grasp_folder(choice.rest);
+    case 'a':
+      return read_named_samples(choice.rest);
     case 'p':
-      takes("f.csv", [&] {
-        for (const auto& [image, pose] : parse_pose_table(choice.rest, "f.csv", {2, 5}, "est_"))
-          expect_pose(pose);
-      });
-      return;
+      return read_table(choice.rest);
     default:
       return read_samples(choice.rest, PoseFormat::csv);
   }

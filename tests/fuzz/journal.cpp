@@ -5,8 +5,8 @@
 #include "posemix/io/output_folder.hpp"
 #include "target.hpp"
 
-/// Journals of studies that were interrupted: what is taken is continued, and is read again with
-/// what was added.
+/// Journals of studies that were interrupted: what is taken is continued, by one process at a time,
+/// and is read again with what was added. Without --resume none that has items is taken.
 namespace posemix::fuzzing {
 namespace {
 
@@ -20,18 +20,38 @@ Study a_study() {
   return study;
 }
 
+/// Whether another one holds the journal.
+bool is_locked(const std::filesystem::path& path, const Study& study) {
+  try {
+    const Journal other(path, study, true);
+  } catch (const OutputError& error) {
+    expect(std::string_view(error.what()).starts_with(path.string()), "an output elsewhere");
+    return true;
+  }
+  return false;
+}
+
+void begin_anew(const std::filesystem::path& path, const Study& study) {
+  takes(path.string(), [&] {
+    expect(Journal(path, study, false).finished().empty(), "items that nobody asked for");
+    expect(!std::filesystem::exists(path), "a journal without items is left behind");
+  });
+}
+
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(journal) {
   static const posemix::testing::TemporaryFolder folder;
-  const auto path = folder.put("journal.jsonl", bytes);
   const Study study = a_study();
+  begin_anew(folder.put("journal.jsonl", bytes), study);
+  const auto path = folder.put("journal.jsonl", bytes);
   takes(path.string(), [&] {
     std::map<std::size_t, std::string> finished;
     {
       Journal journal(path, study, true);
       finished = journal.finished();
       for (const auto& [item, text] : finished) expect(item < kItems, "an item that there is not");
+      expect(is_locked(path, study), "two processes at one journal");
       const std::string result = "a \"text\"\n";
       journal.append(std::vector<FinishedItem>{{kItems - 1, result}});
       finished[kItems - 1] = result;

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "fetch/paths.hpp"
 #include "io/temporary_folder.hpp"
 #include "posemix/results/report.hpp"
 #include "posemix/results/trace_tracks.hpp"
+#include "results/report_parts.hpp"
 #include "results/small_results.hpp"
 #include "target.hpp"
 
 /// Folders of results with one file of the bytes, by the first letter: a trace, alone or beside
-/// another run, stamps of pictures, or a document of a study, of consistency or with a mixture. A
-/// report of it is text.
+/// another run, stamps of pictures, or a document of a study, of consistency or with a mixture. Or
+/// all files of a folder are in the bytes, of one run or of several that are compared. A report of
+/// it is text.
 namespace posemix::fuzzing {
 namespace {
 
@@ -80,20 +85,92 @@ void pictures_with(std::string_view stamps) {
   });
 }
 
+/// The report of a mixture in a folder, and of its file alone.
+void report_of_mixture(std::string_view text) {
+  static const TemporaryFolder folder;
+  report_with(folder, "mug.json", text);
+  takes(folder.path().string(),
+        [&] { expect(!format_report(folder / "mug.json").empty(), "a report without text"); });
+}
+
+/// A folder of few files: a line "=> PATH" begins each.
+class FilesOfText : public TemporaryFolder {
+ public:
+  explicit FilesOfText(std::string_view text) {
+    constexpr std::string_view kBegin = "=> ";
+    for (std::size_t at = text.find(kBegin); at != text.npos && paths_.size() < kMostFiles;) {
+      const std::size_t next = text.find("\n" + std::string(kBegin), at);
+      put_file(text.substr(at + kBegin.size(), next - at - kBegin.size()));
+      at = next == text.npos ? next : next + 1;
+    }
+  }
+  /// In their order.
+  const std::vector<std::filesystem::path>& paths() const { return paths_; }
+
+ private:
+  /// Its path, the end of the line, and its content.
+  void put_file(std::string_view text) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    const std::string_view name = text.substr(0, std::min(end, kMostLetters));
+    if (!is_inner_path(name)) return;
+    try {
+      paths_.push_back(put(name, text.substr(std::min(end + 1, text.size()))));
+    } catch (const std::filesystem::filesystem_error&) {
+      // A folder of the name of a file.
+    }
+  }
+
+  static constexpr std::size_t kMostFiles = 12;
+  static constexpr std::size_t kMostLetters = 100;
+  std::vector<std::filesystem::path> paths_;
+};
+
+/// Of a run with its pictures, and with meshes of objects of the names of their files.
+void report_of_files(std::string_view text) {
+  const FilesOfText folder(text);
+  ReportOptions options{.warn = [](const std::string&) {}};
+  for (const std::filesystem::path& path : folder.paths())
+    if (path.extension() == ".ply") options.meshes[path.stem().string()] = {path, 1e-3};
+  if (std::filesystem::exists(folder / "trace.json") &&
+      std::filesystem::is_directory(folder / "pictures"))
+    options.images = ReportImages{.folder = folder / "pictures", .most_bytes = 60};
+  takes(folder.path().string(),
+        [&] { expect(!format_report(folder.path(), options).empty(), "a report without text"); });
+}
+
+/// Of the folders of the files; of a file that is in none itself.
+void comparison_of_files(std::string_view text) {
+  const FilesOfText folder(text);
+  std::vector<std::filesystem::path> runs;
+  for (const std::filesystem::path& path : folder.paths()) {
+    const auto run = path.parent_path() == folder.path() ? path : path.parent_path();
+    if (std::find(runs.begin(), runs.end(), run) == runs.end()) runs.push_back(run);
+  }
+  takes(runs.size() < 2 ? "got " : folder.path().string(),
+        [&] { expect(!format_comparison(runs).empty(), "a comparison without text"); });
+  takes("got ", [&] {
+    const auto parent = internal::common_parent(runs);
+    for (const auto& run : runs) expect(run.parent_path() == parent, "a run of another folder");
+  });
+}
+
 }  // namespace
 
 POSEMIX_FUZZ_TARGET(trace) {
   const Choice choice(bytes);
   static const TemporaryFolder study;
   static const TemporaryFolder consistency;
-  static const TemporaryFolder mixtures;
   switch (choice.letter) {
     case 's':
       return report_with(study, "study.json", choice.rest);
     case 'c':
       return report_with(consistency, "consistency.json", choice.rest);
     case 'm':
-      return report_with(mixtures, "mug.json", choice.rest);
+      return report_of_mixture(choice.rest);
+    case 'f':
+      return report_of_files(choice.rest);
+    case 'k':
+      return comparison_of_files(choice.rest);
     case 'b':
       return comparison_with(choice.rest);
     case 'i':

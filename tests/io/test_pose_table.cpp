@@ -40,6 +40,8 @@ TEST(PoseTable, RefusesWhatDoesNotFit) {
   EXPECT_INVALID_WITH(parse_table("scene_id,obj_id\n"), "got no column im_id");
   EXPECT_INVALID_WITH(parse_table(kTableHeader + "12,48,14,0,0,1,0,0,2,0,x\n"),
                       "a quaternion of norm 2");
+  // In rows of other scenes, too.
+  EXPECT_INVALID_WITH(parse_table(kTableHeader + "12,49,mug,,,,,,,,\n" + kTableRow), "t.csv:3: ");
 }
 
 }  // namespace

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -14,6 +16,17 @@ namespace posemix {
 /// log(exp(a_0) + exp(a_1) + ...) without overflow or underflow; -inf for no terms or when all are
 /// -inf.
 double log_sum_exp(std::span<const double> terms);
+/// The same of `term(0)`, ..., `term(count - 1)`, each of which is asked for twice.
+template <class Term>
+double log_sum_exp(std::size_t count, const Term& term) {
+  if (count == 0) return -std::numeric_limits<double>::infinity();
+  double largest = term(0);
+  for (std::size_t i = 1; i < count; ++i) largest = std::max(largest, term(i));
+  if (std::isinf(largest)) return largest;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < count; ++i) sum += std::exp(term(i) - largest);
+  return largest + std::log(sum);
+}
 
 /// @throws InvalidInput when a log-weight is NaN or +inf
 void check_log_weights(std::span<const double> log_weights);

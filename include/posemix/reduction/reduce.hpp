@@ -114,6 +114,11 @@ Mixture<D> without_light(Mixture<D> mixture, const ReductionSettings& settings,
   return mixture;
 }
 
+/// Takes in a density that became a part of another. The memory of a stack's is for the next ones.
+template <class D>
+void reuse(D&& /*density*/) {}
+void reuse(ConcentratedGaussian<PoseStackd>&& density);
+
 /// Updates the destinations after component b became a part of component a < b.
 inline void redirect(std::vector<std::size_t>& destination, std::size_t a, std::size_t b) {
   for (std::size_t& to : destination) {
@@ -140,7 +145,8 @@ void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings&
     report.weight_moved += std::min(w_a, w_b);
     MergeResult<D> merged = merge(std::span<const Component<D>* const>(pair), settings.merge);
     report.converged = report.converged && merged.converged;
-    components[a] = std::move(merged.component);
+    reuse(std::exchange(components[a], std::move(merged.component)).density);
+    reuse(std::move(components[b].density));
     components.erase(components.begin() + static_cast<std::ptrdiff_t>(b));
     redirect(report.destination, a, b);
     selector.merged(components, a, b);

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/kept_matrices.hpp"
 #include "filter/precision.hpp"
 #include "innovation_score.hpp"
 #include "posemix/base/statistics.hpp"
@@ -110,6 +111,17 @@ class WhiteDetections {
   std::vector<DetectorNoise> noise_;
 };
 
+Hypothesis copy_of(const Hypothesis& hypothesis) {
+  return Hypothesis::trusted(hypothesis.mean(), internal::kept_copy(hypothesis.covariance()));
+}
+
+/// The hypotheses become others; memory of those before goes to the next ones.
+void replace(Posterior& posterior, std::vector<Component<Hypothesis>> hypotheses) {
+  Posterior before = std::exchange(posterior, Posterior(std::move(hypotheses)));
+  for (Component<Hypothesis>& one : std::move(before).release())
+    internal::reuse(std::move(one.density));
+}
+
 /// Keeps only the child of the largest weight among those from index `first` on.
 void keep_most_likely(std::vector<Component<Hypothesis>>& children, std::size_t first) {
   const auto begin = children.begin() + static_cast<std::ptrdiff_t>(first);
@@ -173,8 +185,8 @@ void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& mot
   std::vector<Component<Hypothesis>> hypotheses;
   hypotheses.reserve(posterior_.size());
   for (const auto& before : posterior_.components())
-    hypotheses.push_back({before.log_weight, motion(before.density)});
-  posterior_ = Posterior(std::move(hypotheses));
+    hypotheses.push_back({before.log_weight, motion(copy_of(before.density))});
+  replace(posterior_, std::move(hypotheses));
 }
 
 void GaussianSumFilter::check(std::span<const Detection> detections) const {
@@ -236,7 +248,7 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
     }
     if (detections.front().noise->clutter().weight > 0.0) {
       log_weights.push_back(parent.log_weight + detections.front().noise->log_clutter_density());
-      children.push_back({log_weights.back(), parent.density});
+      children.push_back({log_weights.back(), copy_of(parent.density)});
     }
     if (settings_.noise_use == NoiseUse::most_likely) keep_most_likely(children, first_child);
   }
@@ -244,7 +256,7 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
   const bool ok = std::isfinite(log_evidence);
   if (ok) {
     report.log_evidence += log_evidence;
-    posterior_ = Posterior(std::move(children));
+    replace(posterior_, std::move(children));
   }
   report.update_seconds += stopwatch.seconds();
   return ok;

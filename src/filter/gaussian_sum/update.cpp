@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/dense_kernels.hpp"
+#include "base/kept_matrices.hpp"
 #include "innovation_score.hpp"
 #include "innovations.hpp"
 #include "lie/pose_kernels.hpp"
@@ -75,7 +76,7 @@ void observe(const Hypothesis& prior, std::span<const Detection> detections, Wor
 MatrixXd joseph(const Hypothesis& prior, std::span<const Detection> detections, Workspace& work) {
   const Index n = prior.dof();
   const auto gain = work.gain.topRows(n);
-  MatrixXd covariance = prior.covariance();
+  MatrixXd covariance = kept_copy(prior.covariance());
   subtract_symmetric_product(covariance, gain, work.p_ht.topRows(n));
   set_times_ht(covariance, detections, work.rest);
   for (std::size_t j = 0; j < detections.size(); ++j)

@@ -211,15 +211,34 @@ Evidence add_innovation(const DetectionState& state, const ObservationComponent&
   return evidence;
 }
 
-/// The part of the evidence that the weights tell: `log_seen` is that of the components with them,
-/// the logarithmic `terms` of which are by component of the observation, then of the noise.
-double weight_evidence(const WeighedObservation& observation, std::size_t noise_components,
-                       std::vector<double> terms, double log_seen) {
-  if (observation.components.size() < 2 || !std::isfinite(log_seen)) return 0.0;
+/// The part of the evidence that the weights tell. Those of `seen` are logarithmic terms, by
+/// component of the observation, then of the noise.
+double weight_evidence(const WeighedObservation& observation, const Explanation& seen) {
+  if (observation.components.size() < 2) return 0.0;
+  const auto& terms = seen.innovations;
+  const double log_seen = log_sum_exp(terms.size(), [&](std::size_t i) { return terms[i].weight; });
+  if (!std::isfinite(log_seen)) return 0.0;
   const auto count = static_cast<double>(observation.components.size());
-  for (std::size_t i = 0; i < terms.size(); ++i)
-    terms[i] -= std::log(count * observation.components[i / noise_components].weight);
-  return log_seen - log_sum_exp(terms);
+  const auto without_weight = [&](std::size_t i) {
+    return terms[i].weight -
+           std::log(count * observation.components[i / seen.noise_components].weight);
+  };
+  return log_seen - log_sum_exp(terms.size(), without_weight);
+}
+
+/// Logarithmic terms become probabilities, without components that hardly count.
+void set_probabilities(double log_clutter, Explanation& seen) {
+  double most = log_clutter;
+  for (const Innovation& one : seen.innovations) most = std::max(most, one.weight);
+  const auto probability = [&](double term) {
+    return term < most + kLeastLogRatio ? 0.0 : std::exp(term - seen.log_evidence);
+  };
+  double kept = 0.0;
+  for (Innovation& one : seen.innovations) kept += one.weight = probability(one.weight);
+  const double of_clutter = probability(log_clutter);
+  kept += of_clutter;
+  for (Innovation& one : seen.innovations) one.weight /= kept;
+  seen.clutter_probability = of_clutter / kept;
 }
 
 }  // namespace
@@ -232,33 +251,24 @@ Explanation explain(const DetectionState& state, const WeighedObservation& obser
   result.noise_components = components.size();
   const std::size_t pairs = components.size() * observation.components.size();
   result.innovations.reserve(pairs);
-  std::vector<double> terms;
-  terms.reserve(pairs + 1);
+  result.squared_distances.reserve(observation.components.size());
   for (const ObservationComponent& observed : observation.components) {
     double least = std::numeric_limits<double>::infinity();
     for (const NoiseComponent& component : components) {
       const Evidence evidence =
           add_innovation(state, observed, component, sensor, slow, result.innovations);
-      terms.push_back(std::log(component.weight * observation.object_weight * observed.weight) +
-                      evidence.log_density);
+      result.innovations.back().weight =
+          std::log(component.weight * observation.object_weight * observed.weight) +
+          evidence.log_density;
       least = std::min(least, evidence.squared_distance);
     }
     result.squared_distances.push_back(least);
   }
-  const double log_weights =
-      weight_evidence(observation, components.size(), terms, log_sum_exp(terms));
-  terms.push_back(observation.log_clutter);
-  result.log_evidence = log_sum_exp(terms);
-
-  // Probabilities, without components that hardly count.
-  const double most = *std::max_element(terms.begin(), terms.end());
-  double kept = 0.0;
-  for (double& term : terms) {
-    term = term < most + kLeastLogRatio ? 0.0 : std::exp(term - result.log_evidence);
-    kept += term;
-  }
-  for (std::size_t i = 0; i < pairs; ++i) result.innovations[i].weight = terms[i] / kept;
-  result.clutter_probability = terms.back() / kept;
+  const double log_weights = weight_evidence(observation, result);
+  result.log_evidence = log_sum_exp(pairs + 1, [&](std::size_t i) {
+    return i < pairs ? result.innovations[i].weight : observation.log_clutter;
+  });
+  set_probabilities(observation.log_clutter, result);
   if (log_weights != 0.0) result.log_weights = (1.0 - result.clutter_probability) * log_weights;
   return result;
 }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <tuple>
 #include <utility>
 
@@ -161,10 +160,8 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
     report.started = started;
   }
   share_next_id();
-  std::vector<double> weights;
-  weights.reserve(list_.size());
-  for (const Weighted& one : list_) weights.push_back(one.log.weight);
-  report.log_evidence = log_sum_exp(weights);
+  report.log_evidence =
+      log_sum_exp(list_.size(), [&](std::size_t i) { return list_[i].log.weight; });
   normalise();
   choose_first();
   reduce();
@@ -194,13 +191,9 @@ void GlobalHypotheses::share_next_id() {
 }
 
 void GlobalHypotheses::normalise() {
-  std::vector<double> weights;
-  std::vector<double> probabilities;
-  for (const Weighted& one : list_) {
-    weights.push_back(one.log.weight);
-    probabilities.push_back(one.log.probability);
-  }
-  const LogTotals total{log_sum_exp(weights), log_sum_exp(probabilities)};
+  const LogTotals total{
+      log_sum_exp(list_.size(), [&](std::size_t i) { return list_[i].log.weight; }),
+      log_sum_exp(list_.size(), [&](std::size_t i) { return list_[i].log.probability; })};
   for (Weighted& one : list_) {
     one.log.weight -= total.weight;
     one.log.probability -= total.probability;
@@ -269,23 +262,36 @@ void GlobalHypotheses::reduce() {
   }
 }
 
-std::optional<std::uint64_t> GlobalHypotheses::leading_id(std::size_t j) const {
-  const ObjectBelief& first = list_.front().state.objects[j].belief;
-  std::map<std::uint64_t, double> probabilities;
+double GlobalHypotheses::probability_of(std::size_t j, std::uint64_t id) const {
+  double sum = 0.0;
   for (const Weighted& one : list_) {
     const ObjectBelief& belief = one.state.objects[j].belief;
+    if (const auto h = belief.find(id))
+      sum += std::exp(one.log.probability + belief.standing(*h).log_probability);
+  }
+  return sum;
+}
+
+std::optional<std::uint64_t> GlobalHypotheses::leading_id(std::size_t j) const {
+  std::optional<std::uint64_t> most;
+  double probability = 0.0;
+  for (std::size_t i = 0; i < list_.size(); ++i) {
+    const ObjectBelief& belief = list_[i].state.objects[j].belief;
     for (std::size_t h = 0; h < belief.size(); ++h) {
-      const Standing& standing = belief.standing(h);
-      probabilities[standing.id] += std::exp(one.log.probability + standing.log_probability);
+      const std::uint64_t id = belief.standing(h).id;
+      const auto has_it = [&](const Weighted& one) { return one.state.objects[j].belief.find(id); };
+      if (std::any_of(list_.begin(), list_.begin() + static_cast<std::ptrdiff_t>(i), has_it))
+        continue;
+      const double of_id = probability_of(j, id);
+      if (most && (of_id < probability || (of_id == probability && id >= *most))) continue;
+      most = id;
+      probability = of_id;
     }
   }
-  if (probabilities.empty()) return std::nullopt;
-  const auto most =
-      std::max_element(probabilities.begin(), probabilities.end(),
-                       [](const auto& a, const auto& b) { return a.second < b.second; });
-  if (!first.leading()) return most->first;
+  const ObjectBelief& first = list_.front().state.objects[j].belief;
+  if (!most || !first.leading()) return most;
   const std::uint64_t led = first.standing(*first.leading()).id;
-  return most->second > probabilities[led] * std::exp(settings().leader_margin) ? most->first : led;
+  return probability > probability_of(j, led) * std::exp(settings().leader_margin) ? *most : led;
 }
 
 const MultiObjectState& GlobalHypotheses::summary() const {

@@ -97,6 +97,8 @@ class GlobalHypotheses {
   /// Mixes the pairs that lose least, as long as there are too many states or little is lost.
   void reduce();
   double loss_of_mixing(const Weighted& a, const Weighted& b) const;
+  /// Probability of the hypothesis with the id, over all states.
+  double probability_of(std::size_t j, std::uint64_t id) const;
   /// The id of the most probable hypothesis of an object; the one that leads in the first state
   /// stays up to the margin.
   std::optional<std::uint64_t> leading_id(std::size_t j) const;

@@ -168,12 +168,11 @@ void ObjectBelief::count_detection() {
 }
 
 double ObjectBelief::log_total(const std::vector<Alternative>& births) const {
-  std::vector<double> terms;
-  terms.reserve(size() + births.size() + 1);
-  for (std::size_t h = 0; h < size(); ++h) terms.push_back(standing(h).log_weight);
-  for (const Alternative& birth : births) terms.push_back(birth.standing.log_weight);
-  terms.push_back(log_absent_);
-  return log_sum_exp(terms);
+  return log_sum_exp(size() + births.size() + 1, [&](std::size_t i) {
+    if (i < size()) return standing(i).log_weight;
+    i -= size();
+    return i < births.size() ? births[i].standing.log_weight : log_absent_;
+  });
 }
 
 CameraAlternative ObjectBelief::camera_alternative(const std::vector<DetectionUpdate>& updates,

@@ -87,13 +87,12 @@ void ObjectBelief::keep_best(std::size_t most, std::size_t best_scores) {
 }
 
 LogTotals ObjectBelief::normalise() {
-  std::vector<double> weights{log_absent_};
-  std::vector<double> probabilities{log_absence_probability_};
-  for (std::size_t h = 0; h < size(); ++h) {
-    weights.push_back(standing(h).log_weight);
-    probabilities.push_back(standing(h).log_probability);
-  }
-  const LogTotals total{log_sum_exp(weights), log_sum_exp(probabilities)};
+  const LogTotals total{
+      log_sum_exp(size() + 1,
+                  [&](std::size_t i) { return i == 0 ? log_absent_ : standing(i - 1).log_weight; }),
+      log_sum_exp(size() + 1, [&](std::size_t i) {
+        return i == 0 ? log_absence_probability_ : standing(i - 1).log_probability;
+      })};
   log_absent_ -= total.weight;
   log_absence_probability_ -= total.probability;
   for (std::size_t h = 0; h < size(); ++h) {
