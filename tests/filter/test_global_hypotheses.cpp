@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "filter/multi_object/state_fields.hpp"
 #include "moving_object_scene.hpp"
 #include "multi_object_scene.hpp"
 #include "posemix/filter/update.hpp"
@@ -251,6 +252,83 @@ TEST(GlobalHypotheses, AModeThatLooksTheSameIsNoOtherMode) {
   const MultiObjectFilter both = run(DetectorNoise(split, ray_noise().clutter()));
   ASSERT_EQ(both.hypotheses(0).size(), plain.hypotheses(0).size());
   EXPECT_TRUE(both.relative(0, 0).covariance().isApprox(plain.relative(0, 0).covariance(), 1e-6));
+}
+
+/// A state in which one object was detected before the camera moved.
+struct DetectedOnce {
+  DetectedOnce() {
+    internal::LogTotals evidence;
+    const auto first = state.observe(0, observation_of(seen), {});
+    state.update(0, first, {true}, evidence);
+    state.predict_random_walk(isotropic(3.0, 0.03), 0.1);
+  }
+
+  const SE3d seen = testing::pose(0.3, 0.2, 0.5, 0.02, -0.03, 0.8);
+  DetectorNoise noise{{{.weight = 0.8, .covariance = isotropic(2.0, 0.01)}},
+                      {.weight = 0.2, .volume_m3 = 1.0}};
+  internal::MultiObjectState state{
+      ConcentratedGaussian<SE3d>(SE3d(), isotropic(1.0, 0.02)), {{noise}}, plain_settings()};
+};
+
+// A component that starts a hypothesis is of no known one, and leaves the camera as it is.
+TEST(TieLoss, IsThatOfTheCaseThatTheDetectionIsOfNoKnownHypothesis) {
+  const DetectedOnce given;
+  const SE3d again = given.seen * testing::pose(0.2, 0.15, 0.0, 0.08, 0.1, 0.0);
+  const auto observed = given.state.observe(0, observation_of(again), {});
+  const internal::ObjectBelief& belief = given.state.objects[0].belief;
+  const double log_volume = std::log(8.0 * std::numbers::pi * std::numbers::pi);
+  const double leading =
+      std::exp(belief.standing(0).log_weight + observed.updates[0].log_evidence());
+  const double absent = 0.2 * std::exp(belief.log_absent() - log_volume);
+  const double born = 0.8 * std::exp(belief.log_absent() - log_volume);
+  const auto loss = [&](double other) {
+    return internal::merge_loss(other / (leading + other), observed.updates[0].camera(),
+                                given.state.joint.camera_moments());
+  };
+  EXPECT_GT(loss(absent), 1e-3);
+  EXPECT_NEAR(given.state.tie_loss(0, observed, {false}) / loss(absent), 1.0, 1e-6);
+  EXPECT_NEAR(given.state.tie_loss(0, observed, {true}) / loss(absent + born), 1.0, 1e-6);
+}
+
+/// A state of objects that were detected once, each `shift` from where it is, and one that was not.
+/// Its hypotheses have ids from `first_id` on.
+internal::MultiObjectState detected_objects(std::size_t count, const SE3d& shift,
+                                            std::uint64_t first_id, double split_loss) {
+  MultiObjectSettings settings = plain_settings();
+  settings.split_loss = split_loss;
+  internal::MultiObjectState state(ConcentratedGaussian<SE3d>(SE3d(), isotropic(1.0, 0.02)),
+                                   std::vector<ObjectSensor>(count + 1, {ray_noise()}), settings);
+  state.next_id = first_id;
+  for (std::size_t j = 0; j < count; ++j) {
+    const SE3d place = shift * testing::pose(0.3, 0.2, 0.5, 0.3 * static_cast<double>(j), 0.0, 1.0);
+    internal::LogTotals evidence;
+    const auto observed = state.observe(j, observation_of(place), {});
+    state.update(j, observed, {true}, evidence);
+  }
+  return state;
+}
+
+// Both states have the same camera. What the hypothesis of one object tells of those of the others
+// is the entropy of the two cases, for each object after the first; that is lost by their mixture.
+TEST(GlobalHypotheses, AreMixedWhereThatLosesLessThanATenthOfTheLossOfASplit) {
+  constexpr double kWeight = 0.3;
+  const double entropy = -kWeight * std::log(kWeight) - (1.0 - kWeight) * std::log(1.0 - kWeight);
+  const auto states_left = [&](std::size_t objects, double split_loss) {
+    const SE3d far = testing::pose(0.0, 0.0, 0.0, 0.0, 1.5, 0.0);
+    internal::GlobalHypotheses both(detected_objects(objects, SE3d(), 0, split_loss));
+    auto& list = std::get<0>(internal::StateFields<internal::GlobalHypotheses>::tie(both));
+    list.push_back({detected_objects(objects, far, 10, split_loss)});
+    list[0].log = {std::log(1.0 - kWeight), std::log(1.0 - kWeight)};
+    list[1].log = {std::log(kWeight), std::log(kWeight)};
+    both.forget(objects);  // which is the one that was not detected
+    return both.camera().size();
+  };
+  for (const std::size_t objects : {2U, 3U, 5U}) {
+    const double loss = static_cast<double>(objects - 1) * entropy;
+    EXPECT_EQ(states_left(objects, 10.0 * 1.001 * loss), 1U) << objects;
+    EXPECT_EQ(states_left(objects, 10.0 * 0.999 * loss), 2U) << objects;
+  }
+  EXPECT_EQ(states_left(1, 1e-3), 1U);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // The smoother of one moving object in simulation: consistency, and errors below the filter's.
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -170,6 +171,56 @@ TEST(MovingObjectSmoother, HasAStepWhereTheObjectIsPutDown) {
   }
   RecordProperty("right", fmt::format("{} of {}", right, count));
   EXPECT_EQ(right, count);
+}
+
+// What comes later tells of a still object at every time the same, whatever part of the detector's
+// slow error is left from one time to the next.
+TEST(MovingObjectSmoother, AStillObjectIsWhereItIsAtTheEndInSpiteOfASlowError) {
+  NoiseDependence dependence;
+  dependence.slow = SlowError{.covariance = 4.0 * SceneNoise::inlier(), .correlation_time_s = 0.5};
+  const DetectorNoise noise(
+      {{.weight = 1.0 - 1e-9, .covariance = SceneNoise::inlier(), .frame = NoiseFrame::ray}},
+      {.weight = 1e-9, .volume_m3 = 1.0}, dependence);
+  MovingObjectSettings settings = plain_moving_settings();
+  settings.lost_rate = 0.0;
+  MovingScene scene(5, noise);
+  MovingObjectSmoother smoother({noise}, {.models = {StaticMotion{}}}, settings);
+  for (int k = 0; k < 15; ++k) {
+    scene.advance(StaticMotion{}, kFramePeriod_s);
+    smoother.update(scene.observed(scene.inlier()), exact_camera(scene.camera));
+  }
+  const std::vector<MovingObjectEstimate> path = smoother.smoothed();
+  const auto& end = path.back().hypotheses.front().world;
+  const Eigen::LLT<Matrix6d> factor(end.covariance());
+  for (const MovingObjectEstimate& estimate : path) {
+    const auto& world = estimate.hypotheses.front().world;
+    const Vector6d apart = (world.mean() * end.mean().inverse()).log();
+    EXPECT_LT(factor.matrixL().solve(apart).norm(), 1e-9) << estimate.time_s;
+    EXPECT_TRUE(world.covariance().isApprox(end.covariance(), 1e-9)) << estimate.time_s;
+  }
+}
+
+// At every time the object is at one of its places, or lost: also where a part of it was lost that
+// later detections found.
+TEST(MovingObjectSmoother, HasProbabilitiesThatSumToOneAtEveryTime) {
+  const DetectorNoise noise = SceneNoise{.clutter = 0.2}.noise();
+  MovingScene scene(6, noise);
+  MovingObjectSmoother smoother({noise}, {.models = {PutDownMotion{}}}, plain_moving_settings());
+  for (int k = 0; k < 20; ++k) {
+    if (k == 12) scene.put_down();
+    scene.advance(StaticMotion{}, kFramePeriod_s);
+    smoother.update(scene.observed(scene.inlier()), exact_camera(scene.camera));
+  }
+  double least = 1.0;
+  double most = 0.0;
+  for (const MovingObjectEstimate& estimate : smoother.smoothed()) {
+    double sum = estimate.lost_probability;
+    for (const auto& hypothesis : estimate.hypotheses) sum += hypothesis.probability;
+    EXPECT_NEAR(sum, 1.0, 1e-12) << estimate.time_s;
+    least = std::min(least, estimate.lost_probability);
+    most = std::max(most, estimate.lost_probability);
+  }
+  EXPECT_GT(most - least, 1e-6);
 }
 
 TEST(MovingObjectSmoother, KeepsSoManyStepsAndEndsWithTheFilter) {

@@ -269,5 +269,32 @@ TEST(MultiObjectFilter, ConstantVelocityIsThatOfTheGaussianSumFilter) {
   EXPECT_TRUE(filter.camera().covariance().isApprox(camera.covariance(), 1e-6));
 }
 
+// At its first detection nothing is known of an object's slow error yet, and hence nothing of the
+// error in common with another object but for the camera's.
+TEST(MultiObjectFilter, TheJointStateHasTheSlowErrorsOfAllObjectsInOrder) {
+  const OrbitScene scene(9, 3, 0.05, 1e-3);
+  std::vector<ObjectSensor> sensors;
+  for (const double factor : {1.0, 4.0, 9.0}) {
+    NoiseDependence dependence;
+    dependence.slow = SlowError{.covariance = factor * isotropic(1.0, 0.01)};
+    sensors.push_back({DetectorNoise(ray_noise().components(), {.weight = 0.23}, dependence)});
+  }
+  MultiObjectFilter filter({scene.camera, isotropic(0.1, 0.002)}, sensors, plain_settings());
+  for (std::size_t j = 0; j < 3; ++j) filter.update(j, scene.camera.inverse() * scene.truth[j]);
+  const JointState state = filter.joint_state(std::vector<std::optional<std::size_t>>{0, {}, 0});
+  ASSERT_EQ(state.poses.size(), 3U);
+  ASSERT_EQ(state.slow.size(), 12);
+  ASSERT_EQ(state.covariance.rows(), 30);
+  EXPECT_TRUE(state.slow.isZero(0.0));
+  EXPECT_TRUE(state.covariance.block(18, 18, 6, 6).isApprox(isotropic(1.0, 0.01)));
+  EXPECT_TRUE(state.covariance.block(24, 24, 6, 6).isApprox(9.0 * isotropic(1.0, 0.01)));
+  EXPECT_LT(state.covariance.block(18, 24, 6, 6).norm(), 1e-12);
+  // With the camera, and each with its own object alone.
+  EXPECT_LT(state.covariance.block(18, 0, 12, 6).norm(), 1e-12);
+  EXPECT_GT(state.covariance.block(18, 6, 6, 6).norm(), 1e-5);
+  EXPECT_LT(state.covariance.block(18, 12, 6, 6).norm(), 1e-12);
+  EXPECT_GT(state.covariance.block(24, 12, 6, 6).norm(), 1e-5);
+}
+
 }  // namespace
 }  // namespace posemix

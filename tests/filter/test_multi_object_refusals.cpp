@@ -155,6 +155,12 @@ TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {
   EXPECT_THROW(filter.camera_mixture(), InvalidInput);
   EXPECT_THROW(filter.update(0, SE3d()), InvalidInput);
   EXPECT_THROW(MultiObjectFilter{filter}, InvalidInput);
+  const Matrix6d q = isotropic(0.1, 1e-3);
+  const std::string expected = "the filter was moved from; expected one with a state";
+  EXPECT_EQ(thrown_message([&] { filter.predict_with_odometry(SE3d(), q, 0.1); }), expected);
+  EXPECT_EQ(thrown_message([&] { filter.predict_random_walk(q, 0.1); }), expected);
+  EXPECT_EQ(thrown_message([&] { filter.predict_constant_velocity(1.0, q, q, q, 0.1); }), expected);
+  EXPECT_EQ(thrown_message([&] { filter.set_camera({SE3d(), q}, 0.1); }), expected);
   filter = taken;
   EXPECT_EQ(filter.object_count(), 1U);
   // NOLINTEND(bugprone-use-after-move)

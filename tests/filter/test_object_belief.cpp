@@ -192,5 +192,61 @@ TEST(ObjectBelief, AMixtureWithAnEqualOneChangesNothing) {
   EXPECT_EQ(next_id, 4U);
 }
 
+/// A random covariance of a pose and a slow error, and its cross-covariance with the camera.
+ConditionalPose pose_with_slow_error(const SE3d& at, RandomStream& stream) {
+  const Eigen::MatrixXd p = posemix::testing::correlated_covariance(3, stream);
+  ConditionalPose object{at, Vector6d::Constant(0.01), Matrix12d(p.bottomRightCorner<12, 12>()),
+                         Matrix12x6d(p.bottomLeftCorner<12, 6>())};
+  return object;
+}
+
+/// Two hypotheses with the same pose and slow error, of which the first leads.
+struct BeliefOfEqualHypotheses {
+  explicit BeliefOfEqualHypotheses(std::uint64_t seed) : stream(seed) {
+    const ConditionalPose object = pose_with_slow_error(pose(0.2, -0.1, 0.4, 0.1, 0, 0.2), stream);
+    belief.add(joint,
+               {{{.log_weight = -0.5, .id = 0}, object}, {{.log_weight = -1, .id = 1}, object}});
+  }
+
+  RandomStream stream;
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+};
+
+// b <- a b + w with Cov w = (1 - a^2) B, whether a hypothesis leads or not.
+TEST(ObjectBelief, TheSlowErrorOfEveryHypothesisDecays) {
+  BeliefOfEqualHypotheses given(3);
+  const ConditionalPose before = given.belief.pose(given.joint, 1);
+  const Matrix6d stationary = isotropic(1.5, 0.02);
+  given.belief.decay_slow_error(given.joint, {.covariance = stationary, .correlation_time_s = 2.0},
+                                stationary, std::nullopt, 0.5);
+  const double a = std::exp(-0.25);
+  Matrix12d f = Matrix12d::Identity();
+  f.bottomRightCorner<6, 6>() *= a;
+  Matrix12d covariance = f * before.covariance * f;
+  covariance.bottomRightCorner<6, 6>() += (1.0 - a * a) * stationary;
+  for (const std::size_t h : {0U, 1U}) {
+    const ConditionalPose after = given.belief.pose(given.joint, h);
+    EXPECT_TRUE(after.slow->isApprox(a * *before.slow, 1e-12)) << h;
+    EXPECT_TRUE(after.covariance.isApprox(covariance, 1e-12)) << h;
+    EXPECT_TRUE(after.cross_covariance.isApprox(f * before.cross_covariance, 1e-12)) << h;
+    EXPECT_EQ(after.pose.matrix(), before.pose.matrix()) << h;
+  }
+}
+
+// To the last bit, as factors of them read one half.
+TEST(ObjectBelief, CovariancesStaySymmetricWhereSlowErrorsAreRescaled) {
+  const ObjectSensor sensor{posemix::testing::gaussian_noise()};
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    BeliefOfEqualHypotheses given(seed);
+    given.belief.rescale_slow_error(given.joint, sensor, Vector6d::LinSpaced(0.7, 1.3));
+    const ConditionalPose leading = given.belief.pose(given.joint, 0);
+    const ConditionalPose other = given.belief.pose(given.joint, 1);
+    EXPECT_EQ(other.covariance, other.covariance.transpose()) << seed;
+    EXPECT_EQ(leading.covariance, leading.covariance.transpose()) << seed;
+    EXPECT_TRUE(other.covariance.isApprox(leading.covariance, 1e-12)) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace posemix::internal

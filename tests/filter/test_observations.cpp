@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "filter/multi_object/detection_update.hpp"
 #include "multi_object_scene.hpp"
 #include "posemix/detector/default_noise.hpp"
 
@@ -237,6 +238,23 @@ TEST(Observations, SlowErrorsOfSeveralDetectorsAreOneErrorInTheirOwnUnits) {
                         plain_settings());
   for (int k = 0; k < 200; ++k) one.update(0, observation_of(kSeen), {.detector = 1});
   EXPECT_NEAR(one.relative(0, 0).covariance()(0, 0) / isotropic(1.0, 0.005)(0, 0), 1.0, 0.05);
+}
+
+// Rounding may leave a covariance of the relative pose that is none.
+TEST(Observations, TellNothingOfAnObjectWhoseCovarianceIsNone) {
+  const ObjectSensor sensor{plain_noise()};
+  internal::DetectionState state{.camera = SE3d(), .object = kSeen, .has_slow = false};
+  const auto explained = [&] {
+    return internal::explain(state, internal::weigh(observed(0.7), sensor, 1.0, {}), sensor);
+  };
+  EXPECT_LT(explained().clutter_probability, 1.0);
+  EXPECT_NE(explained().log_weights, 0.0);
+  state.covariance.block<6, 6>(internal::kObjectRow, internal::kObjectRow) = -Matrix6d::Identity();
+  const internal::Explanation seen = explained();
+  EXPECT_EQ(seen.clutter_probability, 1.0);
+  EXPECT_EQ(seen.log_weights, 0.0);
+  EXPECT_EQ(seen.log_evidence, sensor.noise.log_clutter_density());
+  for (const internal::Innovation& one : seen.innovations) EXPECT_EQ(one.weight, 0.0);
 }
 
 TEST(Observations, AreRefusedWholeWhereTheyAreNotValid) {

@@ -3,8 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/every_instruction_set.hpp"
-#include "filter/multi_object/joint_gaussian.hpp"
-#include "posemix/base/random.hpp"
+#include "joint_gaussian_scene.hpp"
 #include "posemix/base/units.hpp"
 
 /// The update of a joint Gaussian in the columns of what a detection sees. Oracle: the same by
@@ -12,101 +11,10 @@
 namespace posemix::internal {
 namespace {
 
-Matrix6d random_covariance(double rotation_sd, double translation_sd, RandomStream& stream) {
-  Matrix6d root;
-  for (double& x : root.reshaped()) x = stream.normal();
-  Matrix6d p = root * root.transpose() / 6.0 + 0.2 * Matrix6d::Identity();
-  Vector6d sd;
-  sd << Eigen::Vector3d::Constant(rotation_sd), Eigen::Vector3d::Constant(translation_sd);
-  return sd.asDiagonal() * p * sd.asDiagonal();
-}
-
-Vector6d random_vector(double scale, RandomStream& stream) {
-  Vector6d v;
-  for (double& x : v) x = scale * stream.normal();
-  return v;
-}
-
-struct PairScene {
-  JointGaussian joint;
-  std::vector<std::size_t> objects;
-  double noise = 1.0;  ///< of detections, a factor
-};
-
-/// A detection of the object at `index` under two components of the noise and clutter.
-Explanation explanation(const JointGaussian& joint, std::size_t index, double noise,
-                        RandomStream& stream) {
-  Explanation result;
-  result.noise_components = 2;
-  const bool slow = joint.blocks_of(index) > 1;
-  for (const double weight : {0.6, 0.3}) {
-    Innovation seen;
-    seen.weight = weight;
-    seen.residual = random_vector(0.02 * noise, stream);
-    seen.noise = random_covariance(0.05 * noise / weight, 0.01 * noise / weight, stream);
-    seen.slow_map = SE3d::exp(random_vector(0.3 * noise, stream)).adjoint();
-    Eigen::Matrix<double, 6, 18> h;
-    h << -Matrix6d::Identity(), Matrix6d::Identity(), seen.slow_map;
-    Eigen::Matrix<double, 18, 18> p = Eigen::Matrix<double, 18, 18>::Zero();
-    const std::size_t blocks[] = {kCamera, index, index + 1};
-    for (std::size_t i = 0; i < (slow ? 3u : 2u); ++i) {
-      for (std::size_t k = 0; k < (slow ? 3u : 2u); ++k)
-        p.block<6, 6>(offset(i), offset(k)) = joint.covariance(blocks[i], blocks[k]);
-    }
-    seen.covariance = h * p * h.transpose() + seen.noise;
-    result.innovations.push_back(seen);
-  }
-  result.clutter_probability = 0.1;
-  return result;
-}
-
-/// Objects with and without a slow error, correlated by detections, and odometry between them.
-PairScene scene(std::size_t objects, RandomStream& stream, double noise = 1.0) {
-  PairScene result{JointGaussian(ConcentratedGaussian<SE3d>(SE3d::exp(random_vector(0.5, stream)),
-                                                            random_covariance(0.3, 1.0, stream))),
-                   {},
-                   noise};
-  JointGaussian& joint = result.joint;
-  for (std::size_t k = 0; k < objects; ++k) {
-    ConditionalPose object{
-        SE3d::exp(random_vector(0.7, stream)), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
-    const Matrix6d camera = joint.covariance(kCamera, kCamera);
-    object.covariance.topLeftCorner<6, 6>() =
-        camera + random_covariance(0.1 * noise, 0.03 * noise, stream);
-    object.cross_covariance.topRows<6>() = camera;
-    if (k % 2 == 1) {
-      object.slow = random_vector(0.01, stream);
-      // Found by a detection with this slow error.
-      const Matrix6d slow = random_covariance(0.02, 0.01, stream);
-      object.covariance.topLeftCorner<6, 6>() += slow;
-      object.covariance.topRightCorner<6, 6>() = -slow;
-      object.covariance.bottomLeftCorner<6, 6>() = -slow;
-      object.covariance.bottomRightCorner<6, 6>() = slow;
-    }
-    result.objects.push_back(joint.append(object));
-  }
-  for (int round = 0; round < 3; ++round) {
-    joint.add_noise(kCamera, random_covariance(0.01, 0.005, stream));
-    for (const std::size_t index : result.objects)
-      joint.update_densely(index, explanation(joint, index, noise, stream), {}, {});
-  }
-  return result;
-}
-
-/// Relative to the standard deviations, which differ by decades between coordinates.
-double worst_difference(const JointGaussian& a, const JointGaussian& b) {
-  const Eigen::MatrixXd expected = b.covariance();
-  const Eigen::VectorXd sd = expected.diagonal().cwiseSqrt();
-  const Eigen::MatrixXd difference =
-      sd.asDiagonal().inverse() * (a.covariance() - expected) * sd.asDiagonal().inverse();
-  double worst = difference.cwiseAbs().maxCoeff();
-  for (std::size_t k = 0; k < a.size(); ++k) {
-    const Vector6d apart =
-        a.is_pose(k) ? (a.pose(k) * b.pose(k).inverse()).log() : Vector6d(a.slow(k) - b.slow(k));
-    worst = std::max(worst, apart.cwiseQuotient(sd.segment<6>(offset(k))).cwiseAbs().maxCoeff());
-  }
-  return worst;
-}
+using posemix::testing::explanation;
+using posemix::testing::pair_scene;
+using posemix::testing::PairScene;
+using posemix::testing::worst_difference;
 
 void expect_the_same(const PairScene& scene, std::size_t index, double weight,
                      const GainFactors& factors, RandomStream& stream, double bound = 1e-11) {
@@ -116,7 +24,7 @@ void expect_the_same(const PairScene& scene, std::size_t index, double weight,
   const Matrix6d camera = scene.joint.covariance(kCamera, kCamera);
   CameraAlternative alternative;
   alternative.weight = weight;
-  alternative.mean = camera.llt().matrixL() * random_vector(0.3, stream);
+  alternative.mean = camera.llt().matrixL() * posemix::testing::random_vector(0.3, stream);
   alternative.covariance = 0.7 * camera;
   JointGaussian found = scene.joint;
   JointGaussian expected = scene.joint;
@@ -134,7 +42,7 @@ TEST(PairColumns, TheUpdateIsThatByDenseProducts) {
   by_every_instruction_set([] {
     RandomStream stream(21);
     for (const std::size_t objects : {1u, 2u, 5u, 10u}) {
-      const PairScene scene = internal::scene(objects, stream);
+      const PairScene scene = pair_scene(objects, stream);
       for (const std::size_t index : {scene.objects.front(), scene.objects.back()}) {
         for (const double weight : {0.0, 1e-3, 0.4, 0.9}) {
           expect_the_same(scene, index, weight, {}, stream);
@@ -168,7 +76,7 @@ PairScene seen_from(const SE3d& shift, const PairScene& scene) {
 TEST(PairColumns, ASmallNoiseLosesNoMoreThanWithDenseProducts) {
   RandomStream stream(23);
   for (const double noise : {1e-1, 1e-2, 1e-3, 1e-4}) {
-    const PairScene scene = internal::scene(3, stream, noise);
+    const PairScene scene = pair_scene(3, stream, noise);
     for (const std::size_t index : scene.objects) {
       expect_the_same(scene, index, 0.0, {}, stream, 1e-13);
       // The factor of a covariance in which `noise` is left of a variance loses digits of it.
@@ -179,7 +87,7 @@ TEST(PairColumns, ASmallNoiseLosesNoMoreThanWithDenseProducts) {
 
 TEST(PairColumns, FarFromTheOriginTheUpdateIsWhatItIsThere) {
   RandomStream stream(24);
-  const PairScene near = internal::scene(3, stream);
+  const PairScene near = pair_scene(3, stream);
   for (const double distance : {1e2, 1e4, 1e5}) {
     const SE3d shift(SO3d(), {distance, 0.0, 0.0});
     for (const std::size_t index : near.objects) {
@@ -207,7 +115,7 @@ TEST(PairColumns, FarFromTheOriginTheUpdateIsWhatItIsThere) {
 
 TEST(PairColumns, ANearlySingularCovarianceIsLeftToDenseProducts) {
   RandomStream stream(22);
-  PairScene scene = internal::scene(2, stream);
+  PairScene scene = pair_scene(2, stream);
   // Of another object hardly anything is left, given the camera.
   ConditionalPose object{SE3d(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   const Matrix6d known = scene.joint.covariance(kCamera, kCamera);

@@ -108,6 +108,17 @@ TEST(Predict, ConstantVelocityMovesTheMeanAndPropagatesTheCovariance) {
   }
 }
 
+// To the last bit: what comes later reads one half of it.
+TEST(Predict, ConstantVelocityLeavesASymmetricCovariance) {
+  RandomStream stream(5);
+  for (int i = 0; i < 20; ++i) {
+    const Hypothesis before(camera_motion_object(), correlated_covariance(3, stream));
+    const Hypothesis after = predict_constant_velocity(before, 0.7 + 0.1 * i, isotropic(0.5, 0.01),
+                                                       isotropic(0.2, 0.004));
+    EXPECT_EQ(after.covariance(), after.covariance().transpose());
+  }
+}
+
 TEST(Predict, ConstantVelocityTracksASteadyMotionThatARandomWalkLagsBehind) {
   const SE3d motion = pose(0.02, 0.01, -0.015, 0.01, 0.0, 0.004);
   const DetectorNoise noise = testing::gaussian_noise(1.0, 0.003);

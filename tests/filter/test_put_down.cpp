@@ -235,6 +235,21 @@ TEST(PutDown, ARateOfZeroIsNone) {
                InvalidInput);
 }
 
+// A gross error at the birth would make all right detections after it look like a run.
+TEST(PutDown, AnObjectIsFirstAsUncertainAsTheWidestComponentOfTheNoise) {
+  const SE3d seen = pose(0.3, 0.2, 0.5, 0.02, -0.03, 0.8);
+  const NoiseComponent wide{.weight = 0.2, .covariance = isotropic(6.0, 0.03)};
+  const NoiseComponent sharp{.weight = 0.7, .covariance = isotropic(2.0, 0.01)};
+  const Matrix6d expected = seen.adjoint_congruence(wide.covariance);
+  for (const auto& components : {std::vector{sharp, wide}, std::vector{wide, sharp}}) {
+    const DetectorNoise noise(components, {.weight = 0.1, .volume_m3 = 1.0});
+    MultiObjectFilter filter({SE3d(), isotropic(0.1, 0.002)}, {}, plain_settings());
+    filter.add_object({noise}, {}, PutDownMotion{});
+    filter.update(0, seen);
+    EXPECT_TRUE(filter.relative(0, 0).covariance().isApprox(expected, 1e-9));
+  }
+}
+
 // What is forgotten may be put down elsewhere again, and is found.
 TEST(PutDown, AnObjectThatWasForgottenIsFound) {
   PutDownScene scene(4, 1, SceneNoise{}.noise());

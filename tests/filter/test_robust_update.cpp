@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "posemix/testing/expect.hpp"
 #include "scenario.hpp"
 
 namespace posemix {
@@ -127,9 +128,13 @@ TEST(CauchyUpdate, RefusesAScaleThatIsNotPositive) {
   EXPECT_THROW(camera_filter(kCameraPose, isotropic(0.1, 0.001), settings), InvalidInput);
   const DetectorNoise noise = gaussian_noise();
   const Detection detection{1, kCameraPose.inverse() * kObject, &noise};
-  EXPECT_THROW(
-      robust(camera_and_object(kCameraPose, kObject), detection, noise.components()[0], -1.0),
-      InvalidInput);
+  const Hypothesis prior = camera_and_object(kCameraPose, kObject);
+  const auto message = [&](double scale) {
+    return testing::thrown_message([&] { robust(prior, detection, noise.components()[0], scale); });
+  };
+  EXPECT_EQ(message(-1.0), "cauchy scale is -1, expected a positive number");
+  EXPECT_EQ(message(0.0), "cauchy scale is 0, expected a positive number");
+  EXPECT_NE(message(std::nan("")), "");
 }
 
 TEST(CauchyUpdate, DefaultScaleHas95PercentOfTheEfficiency) {

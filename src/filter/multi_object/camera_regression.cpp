@@ -66,8 +66,13 @@ bool is_rotation(const Vector6d& moved, const Matrix6d& covariance) {
          covariance.diagonal().head<3>().maxCoeff() < kMostVariance * kUniformRotationVariance;
 }
 
-CameraRegression::CameraRegression(const CameraMoments& before, const CameraMoments& after)
-    : before_(before), after_(after), camera_(before.covariance) {
+CameraRegression::CameraRegression(const CameraMoments& before, const CameraMoments& after,
+                                   const WorldChange& world)
+    : before_(before),
+      after_(after),
+      camera_(before.covariance),
+      shared_(world.after ? world.before : std::nullopt, before) {
+  if (world.after) world_after_ = world.after->covariance;
   if (before.rig.empty()) return;
   shift_ = before.rig.factor().solve(after.rig.mean - before.rig.mean);
   if (auto l = low_rank_reduction(before.rig.covariance, after.rig.covariance)) {
@@ -79,9 +84,10 @@ CameraRegression::CameraRegression(const CameraMoments& before, const CameraMome
 
 void CameraRegression::carry(ConditionalPose& pose) const {
   if (!before_.rig.empty()) {
-    carry_with_rig(pose);
+    if (!carry_with_rig_and_world(pose)) carry_with_rig(pose);
     return;
   }
+  if (carry_with_world(pose)) return;
   // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
   if (!pose.slow) {
     const Matrix6d g = camera_.solved_rows(pose.cross_covariance.topRows<6>());
@@ -110,6 +116,40 @@ void CameraRegression::carry(ConditionalPose& pose) const {
   move(pose, shift);
   pose.covariance = own;
   pose.cross_covariance.noalias() = g * after_.covariance;
+}
+
+/// O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G (P_CC' - W) + W.
+bool CameraRegression::carry_with_world(ConditionalPose& pose) const {
+  const auto g = shared_.regression(pose);
+  if (!g) return false;
+  const Vector12d shift = *g * (after_.mean - before_.mean);
+  Matrix12d own = pose.covariance + *g * (after_.covariance - before_.covariance) * g->transpose();
+  symmetrize(own);
+  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>())) return false;
+  move(pose, shift);
+  pose.covariance = own;
+  pose.cross_covariance.noalias() = *g * (after_.covariance - *world_after_);
+  pose.cross_covariance.topRows<6>() += *world_after_;
+  return true;
+}
+
+bool CameraRegression::carry_with_rig_and_world(ConditionalPose& pose) const {
+  const auto g = shared_.regression_on_rig(pose);
+  if (!g) return false;
+  const Vector12d shift = *g * (after_.rig.mean - before_.rig.mean);
+  Matrix12d own =
+      pose.covariance + *g * (after_.rig.covariance - before_.rig.covariance) * g->transpose();
+  symmetrize(own);
+  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>())) return false;
+  move(pose, shift);
+  pose.covariance = own;
+  MatrixXd local = after_.rig.covariance;
+  local.topLeftCorner<6, 6>() -= *world_after_;
+  const MatrixXd cross = *g * local;
+  pose.cross_covariance = cross.leftCols<6>();
+  pose.cross_covariance.topRows<6>() += *world_after_;
+  pose.extrinsics = cross.rightCols(cross.cols() - 6);
+  return true;
 }
 
 void CameraRegression::loosen(ConditionalPose& pose) const {

@@ -5,11 +5,19 @@
 #include <algorithm>
 
 #include "base/cholesky6.hpp"
+#include "shared_world.hpp"
 
 namespace posemix::internal {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+
+namespace {
+
+/// Number of poses, the camera among them, that world_error() is from.
+constexpr std::size_t kMostAnchors = 4;
+
+}  // namespace
 
 void move(ConditionalPose& object, const Vector12d& by) {
   object.pose = SE3d::exp(by.head<6>()) * object.pose;
@@ -59,15 +67,76 @@ MatrixXd JointGaussian::rows_of(std::size_t index) {
   return covariance_.middleRows(first(index), dof(index));
 }
 
-/// B_j. = P_OC P_CC^-1 B_C.
-MatrixXd JointGaussian::regressed_rows(const ConditionalPose& object) const {
-  if (extrinsics_ > 0) {
-    return regression_on_rig(object, rig()).topRows(object.slow ? 12 : 6) *
-           covariance_.topRows(rig_dof());
+/// The camera and the first few poses, whose common shift is known as well as that of all, but for
+/// how well they are known to each other; behind them the extrinsics, which a shift leaves.
+std::vector<Index> JointGaussian::anchors(std::size_t& poses) const {
+  std::vector<Index> at;
+  for (std::size_t i = 0; i < size() && at.size() < kMostAnchors; ++i) {
+    const Block& block = blocks_[i];
+    if (block.at >= 0 && !block.slow && !block.is_motion && !is_extrinsic(i))
+      at.push_back(block.at);
   }
-  const Matrix12x6d by =
-      regression_on_camera(object.cross_covariance, covariance(kCamera, kCamera));
-  return by.topRows(object.slow ? 12 : 6) * rows(covariance_, kCamera);
+  poses = at.size();
+  for (std::size_t e = 0; e < extrinsics_; ++e) at.push_back(first(extrinsic_block(e)));
+  return at;
+}
+
+std::optional<WorldError> JointGaussian::world_error() const {
+  std::size_t poses = 0;
+  const std::vector<Index> at = anchors(poses);
+  MatrixXd b(offset(at.size()), offset(at.size()));
+  for (std::size_t k = 0; k < at.size(); ++k) {
+    for (std::size_t i = 0; i < at.size(); ++i)
+      block(b, i, k) = covariance_.block<6, 6>(at[i], at[k]);
+  }
+  MatrixXd shift = MatrixXd::Zero(b.rows(), kPoseDof);  // N
+  for (std::size_t k = 0; k < poses; ++k) rows(shift, k).setIdentity();
+  const Eigen::LLT<MatrixXd> factor(b);
+  if (factor.info() != Eigen::Success) return std::nullopt;
+  const MatrixXd weights = factor.solve(shift);  // B^-1 N
+  Matrix6d information = shift.transpose().lazyProduct(weights);
+  symmetrize(information);
+  const Eigen::LLT<Matrix6d> of_world(information);
+  if (of_world.info() != Eigen::Success) return std::nullopt;
+  WorldError world{of_world.solve(Matrix6d::Identity()), of_world.solve(weights.transpose())};
+  symmetrize(world.covariance);
+  return world;
+}
+
+MatrixXd JointGaussian::covariance_with(const WorldError& world) const {
+  MatrixXd result = MatrixXd::Zero(kPoseDof, covariance_.cols());
+  std::size_t poses = 0;
+  Index k = 0;
+  for (const Index at : anchors(poses)) {
+    result.noalias() += world.weights.middleCols<6>(k) * covariance_.middleRows<6>(at);
+    k += kPoseDof;
+  }
+  return result;
+}
+
+/// B_j. = P_OC P_CC^-1 B_C, or with the error of the world that all poses share.
+MatrixXd JointGaussian::regressed_rows(const ConditionalPose& object) const {
+  const Index n = object.slow ? 12 : 6;
+  const bool has_rig = extrinsics_ > 0;
+  const std::optional<WorldError> world = world_error();
+  const SharedWorld shared(world, camera_moments());
+  std::optional<MatrixXd> by;
+  if (has_rig) {
+    by = shared.regression_on_rig(object);
+  } else if (const auto on_camera = shared.regression(object)) {
+    by = MatrixXd(*on_camera);
+  }
+  if (by) {
+    const MatrixXd with_world = covariance_with(*world);
+    MatrixXd local = covariance_.topRows(rig_dof());
+    local.topRows<kPoseDof>() -= with_world;
+    MatrixXd result = by->topRows(n) * local;
+    result.topRows<kPoseDof>() += with_world;
+    return result;
+  }
+  if (has_rig) return regression_on_rig(object, rig()).topRows(n) * covariance_.topRows(rig_dof());
+  return regression_on_camera(object.cross_covariance, covariance(kCamera, kCamera)).topRows(n) *
+         rows(covariance_, kCamera);
 }
 
 std::size_t JointGaussian::append(const ConditionalPose& object) {

@@ -73,6 +73,14 @@ Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matr
 /// The same on the camera and the extrinsics, 12 rows.
 Eigen::MatrixXd regression_on_rig(const ConditionalPose& object, const Eigen::MatrixXd& rig);
 
+/// The error of the world, the shift that all poses share, as the best estimate from some of them
+/// has it: of covariance W = (N^T B^-1 N)^-1, where N has an identity for every pose, and W N^T
+/// B^-1 times their errors. No detection tells of such a shift.
+struct WorldError {
+  Matrix6d covariance;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> weights;
+};
+
 /// Six columns of a covariance.
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
@@ -136,6 +144,9 @@ class JointGaussian {
   /// Camera and extrinsics in the tangent space at their means in `at`.
   CameraMoments camera_moments(const JointGaussian& at) const;
   CameraMoments camera_moments() const { return camera_moments(*this); }
+
+  /// The error of the world; none where the covariance is numerically not positive definite.
+  std::optional<WorldError> world_error() const;
 
   /// Appends an object that depends on the rest through the camera alone. Returns its index.
   std::size_t append(const ConditionalPose& object);
@@ -238,6 +249,10 @@ class JointGaussian {
   Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
   Eigen::Index rig_dof() const { return offset(1 + extrinsics_); }
+  /// First coordinates of the blocks that world_error() is from, the `poses` that shift first.
+  std::vector<Eigen::Index> anchors(std::size_t& poses) const;
+  /// Covariance of the error of the world with every coordinate, 6 rows.
+  Eigen::MatrixXd covariance_with(const WorldError& world) const;
   /// update() in the columns of what the detection sees, for an object of Own coordinates; none
   /// where the covariance is nearly singular.
   template <int Own>

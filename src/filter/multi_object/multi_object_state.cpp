@@ -203,6 +203,16 @@ void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leadi
   object.belief.rescale_slow_error(joint, sensor, factor);
 }
 
+/// The error of the world, where hypotheses of other objects follow the camera.
+std::optional<WorldError> MultiObjectState::world_of_others(const TrackedObject& object) const {
+  const bool any = std::any_of(objects.begin(), objects.end(), [&](const TrackedObject& other) {
+    return &other != &object && other.belief.size() > 1;
+  });
+  // A detection of an object that is known in the world does tell of its error.
+  if (!any || has_known_objects) return std::nullopt;
+  return joint.world_error();
+}
+
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
 /// the camera by eq. (9).
 void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection& observed,
@@ -211,6 +221,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   const std::vector<DetectionUpdate>& updates = observed.updates;
   ObjectBelief& belief = object.belief;
   const CameraMoments before = joint.camera_moments();
+  const std::optional<WorldError> world = world_of_others(object);
   const CameraAlternative alternative =
       belief.camera_alternative(updates, births, log_evidence, before);
   const CameraChange change =
@@ -220,7 +231,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   after.mean = change.mean;
   after.rig.mean = change.rig_mean;
   belief.follow_camera(updates, after);
-  const CameraRegression step(before, after);
+  const CameraRegression step(before, after, {world, world ? joint.world_error() : std::nullopt});
   for (TrackedObject& other : objects) {
     if (&other != &object) other.belief.follow_camera(step);
   }

@@ -167,6 +167,7 @@ struct MultiObjectState {
                        const ObservationComponent& seen, const NoiseComponent& mode) const;
   void learn(TrackedObject& object, const DetectionUpdate& leading,
              const WeighedObservation& observation);
+  std::optional<WorldError> world_of_others(const TrackedObject& object) const;
   void move_poses(TrackedObject& object, const ObservedDetection& observed, bool damped,
                   double log_evidence, std::vector<Alternative>& births);
   void shift_back(const TrackedObject& detected, bool damped, const CameraChange& change,

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include "filter/multi_object/camera_regression.hpp"
+#include "filter/multi_object/shared_world.hpp"
+#include "joint_gaussian_scene.hpp"
+#include "multi_object_scene.hpp"
+
+/// The error of the world, eq. (31) of docs/many-objects.md: no detection tells of it, and a
+/// hypothesis that does not lead keeps it.
+namespace posemix {
+namespace {
+
+using internal::ConditionalPose;
+using internal::Matrix12d;
+using internal::Matrix12x6d;
+using internal::WorldError;
+
+/// (N^T B^-1 N)^-1 of camera and objects without slow errors.
+Matrix6d by_definition(const internal::JointGaussian& joint) {
+  const Eigen::MatrixXd b = joint.covariance();
+  Eigen::MatrixXd shift(b.rows(), 6);
+  for (std::size_t i = 0; i < joint.size(); ++i) rows(shift, i) = Matrix6d::Identity();
+  return (shift.transpose() * b.ldlt().solve(shift)).inverse();
+}
+
+TEST(WorldError, IsTheCommonShiftAsItsBestEstimateHasIt) {
+  RandomStream stream(51);
+  const testing::PairScene scene = testing::pair_scene(1, stream);
+  const std::optional<WorldError> world = scene.joint.world_error();
+  ASSERT_TRUE(world);
+  const Matrix6d expected = by_definition(scene.joint);
+  EXPECT_LT((world->covariance - expected).norm(), 1e-9 * expected.norm());
+  // An estimate without bias, whose covariance with every pose is its own.
+  const auto& weights = world->weights;
+  EXPECT_LT((weights.leftCols<6>() + weights.rightCols<6>() - Matrix6d::Identity()).norm(), 1e-9);
+  EXPECT_LT((weights * scene.joint.covariance().leftCols<6>() - expected).norm(),
+            1e-9 * expected.norm());
+}
+
+TEST(WorldError, NoDetectionTellsOfIt) {
+  RandomStream stream(52);
+  testing::PairScene scene = testing::pair_scene(1, stream);
+  const Matrix6d before = scene.joint.world_error()->covariance;
+  const Matrix6d camera = scene.joint.covariance(kCamera, kCamera);
+  for (int k = 0; k < 5; ++k) {
+    scene.joint.update(scene.objects[0],
+                       testing::explanation(scene.joint, scene.objects[0], 1.0, stream), {}, {});
+  }
+  EXPECT_LT(scene.joint.covariance(kCamera, kCamera).trace(), camera.trace());
+  EXPECT_LT((scene.joint.world_error()->covariance - before).norm(), 1e-6 * before.norm());
+}
+
+/// A pose that was seen from the camera, with this covariance of what is between them.
+ConditionalPose seen_from(const Matrix6d& camera, const Matrix6d& between) {
+  ConditionalPose pose{SE3d(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
+  pose.covariance.topLeftCorner<6, 6>() = camera + between;
+  pose.cross_covariance.topRows<6>() = camera;
+  return pose;
+}
+
+TEST(WorldError, APoseThatIsNotSeenKeepsIt) {
+  const Matrix6d world = 1e-4 * Matrix6d::Identity();
+  const Matrix6d local = 1e-6 * Matrix6d::Identity();
+  const WorldError error{world, {}};
+  // The camera moves and is seen again by what it sees, a thousand times.
+  const internal::CameraMoments near{Vector6d::Zero(), world + local};
+  const internal::CameraMoments far{Vector6d::Zero(), world + 2.0 * local};
+  ConditionalPose with = seen_from(near.covariance, local);
+  ConditionalPose without = with;
+  for (int k = 0; k < 1000; ++k) {
+    internal::CameraRegression(far, near, {error, error}).carry(with);
+    internal::CameraRegression(far, near).carry(without);
+  }
+  EXPECT_LT((with.cross_covariance.topRows<6>() - world).norm(), 1e-9);
+  EXPECT_LT(without.cross_covariance.norm(), 1e-3 * world.norm());
+  // What is between them grows from what was measured to what is known of each, no further.
+  const Matrix6d cross = with.cross_covariance.topRows<6>();
+  const Matrix6d between =
+      with.covariance.topLeftCorner<6, 6>() + near.covariance - cross - cross.transpose();
+  EXPECT_GT(between.trace(), local.trace());
+  EXPECT_LT(between.trace(), 3.1 * local.trace());
+}
+
+TEST(WorldError, IsNotSharedByWhatAGivenCameraSaw) {
+  const Matrix6d world = 1e-4 * Matrix6d::Identity();
+  const Matrix6d camera = 2.0 * world;
+  const internal::CameraMoments moments{Vector6d::Zero(), camera};
+  const internal::SharedWorld shared(WorldError{world, {}}, moments);
+  EXPECT_TRUE(shared.regression(seen_from(camera, world)));
+  ConditionalPose apart = seen_from(camera, world);
+  apart.cross_covariance.setZero();
+  EXPECT_FALSE(shared.regression(apart));
+  // Known in the world better than the camera: less than the world's error is left.
+  ConditionalPose known = seen_from(camera, world);
+  known.covariance.topLeftCorner<6, 6>() = 0.5 * world;
+  EXPECT_FALSE(shared.regression(known));
+  EXPECT_FALSE(internal::SharedWorld({}, moments).regression(seen_from(camera, world)));
+  EXPECT_FALSE(
+      internal::SharedWorld(WorldError{camera, {}}, moments).regression(seen_from(camera, world)));
+}
+
+/// Frames in which the camera, which odometry moves, sees one object.
+void look_at(testing::OrbitScene& scene, MultiObjectFilter& filter, std::size_t object, int frames,
+             double flips) {
+  for (int k = 0; k < frames; ++k) {
+    filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    filter.update(object, scene.detect(object, flips, 0.0));
+  }
+}
+
+TEST(WorldError, AHypothesisThatComesToLeadTellsNothingOfTheWorld) {
+  testing::OrbitScene scene(4, 2, 0.05, 1e-3);
+  MultiObjectFilter filter = testing::filter_of(scene, testing::plain_settings());
+  const auto shared = [&] {
+    const Eigen::MatrixXd b = filter.joint().covariance();
+    Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(b.rows(), 6);
+    for (Eigen::Index i = 0; i < b.rows(); i += 6) shift.middleRows<6>(i).setIdentity();
+    return Matrix6d((shift.transpose() * b.ldlt().solve(shift)).inverse()).trace();
+  };
+  look_at(scene, filter, 0, 30, 0.0);
+  // The second object in one mode, then in another, of which the first is the heavier.
+  look_at(scene, filter, 1, 12, 0.0);
+  look_at(scene, filter, 1, 4, 1.0);
+  ASSERT_EQ(filter.hypotheses(1).size(), 2U);
+  const std::uint64_t led = filter.hypotheses(1)[0].id;
+  const double before = shared();
+  look_at(scene, filter, 0, 3000, 0.0);
+  look_at(scene, filter, 1, 30, 1.0);
+  const auto after = filter.hypotheses(1);
+  const auto leads = std::max_element(after.begin(), after.end(), [](const auto& a, const auto& b) {
+    return a.probability < b.probability;
+  });
+  ASSERT_NE(leads->id, led);
+  EXPECT_GT(shared(), 0.97 * before);
+}
+
+}  // namespace
+}  // namespace posemix
