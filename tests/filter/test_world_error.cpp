@@ -5,7 +5,6 @@
 #include "filter/multi_object/camera_regression.hpp"
 #include "filter/multi_object/shared_world.hpp"
 #include "joint_gaussian_scene.hpp"
-#include "multi_object_scene.hpp"
 
 /// The error of the world, eq. (31) of docs/many-objects.md: no detection tells of it, and a
 /// hypothesis that does not lead keeps it.
@@ -99,41 +98,6 @@ TEST(WorldError, IsNotSharedByWhatAGivenCameraSaw) {
   EXPECT_FALSE(internal::SharedWorld({}, moments).regression(seen_from(camera, world)));
   EXPECT_FALSE(
       internal::SharedWorld(WorldError{camera, {}}, moments).regression(seen_from(camera, world)));
-}
-
-/// Frames in which the camera, which odometry moves, sees one object.
-void look_at(testing::OrbitScene& scene, MultiObjectFilter& filter, std::size_t object, int frames,
-             double flips) {
-  for (int k = 0; k < frames; ++k) {
-    filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
-    filter.update(object, scene.detect(object, flips, 0.0));
-  }
-}
-
-TEST(WorldError, AHypothesisThatComesToLeadTellsNothingOfTheWorld) {
-  testing::OrbitScene scene(4, 2, 0.05, 1e-3);
-  MultiObjectFilter filter = testing::filter_of(scene, testing::plain_settings());
-  const auto shared = [&] {
-    const Eigen::MatrixXd b = filter.joint().covariance();
-    Eigen::MatrixXd shift = Eigen::MatrixXd::Zero(b.rows(), 6);
-    for (Eigen::Index i = 0; i < b.rows(); i += 6) shift.middleRows<6>(i).setIdentity();
-    return Matrix6d((shift.transpose() * b.ldlt().solve(shift)).inverse()).trace();
-  };
-  look_at(scene, filter, 0, 30, 0.0);
-  // The second object in one mode, then in another, of which the first is the heavier.
-  look_at(scene, filter, 1, 12, 0.0);
-  look_at(scene, filter, 1, 4, 1.0);
-  ASSERT_EQ(filter.hypotheses(1).size(), 2U);
-  const std::uint64_t led = filter.hypotheses(1)[0].id;
-  const double before = shared();
-  look_at(scene, filter, 0, 3000, 0.0);
-  look_at(scene, filter, 1, 30, 1.0);
-  const auto after = filter.hypotheses(1);
-  const auto leads = std::max_element(after.begin(), after.end(), [](const auto& a, const auto& b) {
-    return a.probability < b.probability;
-  });
-  ASSERT_NE(leads->id, led);
-  EXPECT_GT(shared(), 0.97 * before);
 }
 
 }  // namespace
