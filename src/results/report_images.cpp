@@ -86,7 +86,7 @@ std::vector<StampedImage> images_in(const fs::path& folder) {
   for (; !error && at != fs::directory_iterator(); at.increment(error)) {
     const fs::path& path = at->path();
     std::error_code of_file;
-    if (!is_image_name(path) || !fs::is_regular_file(path, of_file)) continue;
+    if (!is_image_name(path) || fs::is_directory(path, of_file)) continue;
     const std::string name = path.filename().string();
     std::optional<double> stamp;
     if (!stamps) {

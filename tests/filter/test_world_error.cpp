@@ -5,6 +5,7 @@
 #include "filter/multi_object/camera_regression.hpp"
 #include "filter/multi_object/shared_world.hpp"
 #include "joint_gaussian_scene.hpp"
+#include "multi_object_scene.hpp"
 
 /// The error of the world, eq. (31) of docs/many-objects.md: no detection tells of it, and a
 /// hypothesis that does not lead keeps it.
@@ -98,6 +99,33 @@ TEST(WorldError, IsNotSharedByWhatAGivenCameraSaw) {
   EXPECT_FALSE(internal::SharedWorld({}, moments).regression(seen_from(camera, world)));
   EXPECT_FALSE(
       internal::SharedWorld(WorldError{camera, {}}, moments).regression(seen_from(camera, world)));
+}
+
+/// With typical noise, whose gain is reduced, the error of the world of a few poses changes.
+TEST(WorldError, HypothesesStayPositiveDefiniteByTheDefaults) {
+  for (const double far_m : {0.0, 90.0, 1000.0}) {
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+      testing::OrbitScene scene(seed, 6, 1.0, 0.02);
+      const SE3d shift(SO3d(), {far_m, -0.5 * far_m, 0.2 * far_m});
+      DetectorNoise typical(testing::ray_noise().components(), testing::ray_noise().clutter(),
+                            {.is_typical = true});
+      MultiObjectFilter filter(
+          ConcentratedGaussian<SE3d>(shift * scene.camera, testing::isotropic(0.1, 0.002)),
+          std::vector<ObjectSensor>(6, {typical}), MultiObjectSettings{});
+      for (int frame = 0; frame < 150; ++frame) {
+        filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+        for (std::size_t j = 0; j < 6; ++j) filter.update(j, scene.detect(j, 0.3, 0.1));
+        if (frame % 3 > 0) continue;
+        for (std::size_t j = 0; j < 6; ++j) {
+          for (std::size_t h = 0; h < filter.hypotheses(j).size(); ++h) {
+            const Matrix6d seen = filter.relative(j, h).covariance();
+            ASSERT_EQ(Eigen::LLT<Matrix6d>(seen).info(), Eigen::Success)
+                << far_m << " m, seed " << seed << ", frame " << frame;
+          }
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

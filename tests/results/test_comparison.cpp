@@ -198,15 +198,16 @@ TEST_F(Comparison, ImagesHaveTheStampsOfAFile) {
   EXPECT_INVALID_WITH(format_report(run, options), "expected the columns name,stamp_s");
 }
 
-TEST_F(Comparison, AFolderAndADanglingLinkAreNoImages) {
+TEST_F(Comparison, AFolderIsNoImageAndADanglingLinkIsRefused) {
   const auto run = put("run", true);
   folder_.put("images/1.png", kPng);
   folder_.put("images/2.png/inside.txt", "no image");
-  std::filesystem::create_symlink("nowhere.png", folder_ / "images/3.png");
-  const json images =
-      json::parse(format_report(run, {.images = ReportImages{folder_ / "images"}}))["images"];
+  const ReportOptions options{.images = ReportImages{folder_ / "images"}};
+  const json images = json::parse(format_report(run, options))["images"];
   ASSERT_EQ(images.size(), 1U);
   EXPECT_EQ(images[0]["stamp_s"], 1.0);
+  std::filesystem::create_symlink("nowhere.png", folder_ / "images/3.png");
+  EXPECT_INVALID_WITH(format_report(run, options), "3.png: cannot be read");
 }
 
 TEST_F(Comparison, EveryNthImageIsTakenWhereThereAreTooManyBytes) {

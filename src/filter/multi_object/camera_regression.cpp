@@ -118,18 +118,36 @@ void CameraRegression::carry(ConditionalPose& pose) const {
   pose.cross_covariance.noalias() = g * after_.covariance;
 }
 
-/// O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G (P_CC' - W) + W.
+/// Whether the pose has a positive definite covariance, given the camera and as seen from it.
+bool CameraRegression::is_sound(const Matrix12d& own, const Matrix12x6d& cross) const {
+  const Matrix6d pose = own.topLeftCorner<6, 6>();
+  const Matrix6d with_camera = cross.topRows<6>();
+  const Cholesky6 camera(after_.covariance);
+  if (!camera.ok()) return false;
+  const Matrix6d whitened = camera.whitened_rows(with_camera);
+  const Matrix6d given = pose - whitened * whitened.transpose();
+  const Matrix6d seen = pose + after_.covariance - with_camera - with_camera.transpose();
+  return Cholesky6(given).ok() && Cholesky6(seen).ok();
+}
+
+/// O <- Exp(G (m' - m)) O, P_OC <- G (P_CC' - W') + W',
+/// P_OO += G (P_CC' - W' - P_CC + W) G^T + W' - W, so that the covariance of e stays.
 bool CameraRegression::carry_with_world(ConditionalPose& pose) const {
   const auto g = shared_.regression(pose);
   if (!g) return false;
   const Vector12d shift = *g * (after_.mean - before_.mean);
-  Matrix12d own = pose.covariance + *g * (after_.covariance - before_.covariance) * g->transpose();
+  const Matrix6d world_change = *world_after_ - shared_.covariance();
+  const Matrix6d local_change = after_.covariance - before_.covariance - world_change;
+  Matrix12d own = pose.covariance + *g * local_change * g->transpose();
+  own.topLeftCorner<6, 6>() += world_change;
   symmetrize(own);
-  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>())) return false;
+  Matrix12x6d cross = *g * (after_.covariance - *world_after_);
+  cross.topRows<6>() += *world_after_;
+  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>()) || !is_sound(own, cross))
+    return false;
   move(pose, shift);
   pose.covariance = own;
-  pose.cross_covariance.noalias() = *g * (after_.covariance - *world_after_);
-  pose.cross_covariance.topRows<6>() += *world_after_;
+  pose.cross_covariance = cross;
   return true;
 }
 
@@ -137,17 +155,22 @@ bool CameraRegression::carry_with_rig_and_world(ConditionalPose& pose) const {
   const auto g = shared_.regression_on_rig(pose);
   if (!g) return false;
   const Vector12d shift = *g * (after_.rig.mean - before_.rig.mean);
-  Matrix12d own =
-      pose.covariance + *g * (after_.rig.covariance - before_.rig.covariance) * g->transpose();
+  const Matrix6d world_change = *world_after_ - shared_.covariance();
+  MatrixXd local_change = after_.rig.covariance - before_.rig.covariance;
+  local_change.topLeftCorner<6, 6>() -= world_change;
+  Matrix12d own = pose.covariance + *g * local_change * g->transpose();
+  own.topLeftCorner<6, 6>() += world_change;
   symmetrize(own);
-  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>())) return false;
-  move(pose, shift);
-  pose.covariance = own;
   MatrixXd local = after_.rig.covariance;
   local.topLeftCorner<6, 6>() -= *world_after_;
-  const MatrixXd cross = *g * local;
+  MatrixXd cross = *g * local;
+  cross.topLeftCorner<6, 6>() += *world_after_;
+  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>()) ||
+      !is_sound(own, cross.leftCols<6>()))
+    return false;
+  move(pose, shift);
+  pose.covariance = own;
   pose.cross_covariance = cross.leftCols<6>();
-  pose.cross_covariance.topRows<6>() += *world_after_;
   pose.extrinsics = cross.rightCols(cross.cols() - 6);
   return true;
 }

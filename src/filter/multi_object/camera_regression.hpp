@@ -46,6 +46,7 @@ class CameraRegression {
   /// False, and nothing has changed, where the pose does not share the error of the world.
   bool carry_with_world(ConditionalPose& pose) const;
   bool carry_with_rig_and_world(ConditionalPose& pose) const;
+  bool is_sound(const Matrix12d& own, const Matrix12x6d& cross) const;
   /// Where the regression does not hold the pose stays as it is, with the covariance
   /// P_OC (P + P')^-1 P' with the camera, which is positive definite with any P'.
   void loosen(ConditionalPose& pose) const;

@@ -16,6 +16,9 @@ namespace {
 
 /// Number of poses, the camera among them, that world_error() is from.
 constexpr std::size_t kMostAnchors = 4;
+/// Farther from the origin a rotation moves the camera by so much that differences of covariances
+/// lose their digits [m].
+constexpr double kFarthest_m = 100.0;
 
 }  // namespace
 
@@ -82,6 +85,7 @@ std::vector<Index> JointGaussian::anchors(std::size_t& poses) const {
 }
 
 std::optional<WorldError> JointGaussian::world_error() const {
+  if (pose(kCamera).translation().norm() > kFarthest_m) return std::nullopt;
   std::size_t poses = 0;
   const std::vector<Index> at = anchors(poses);
   MatrixXd b(offset(at.size()), offset(at.size()));

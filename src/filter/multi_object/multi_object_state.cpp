@@ -208,8 +208,8 @@ std::optional<WorldError> MultiObjectState::world_of_others(const TrackedObject&
   const bool any = std::any_of(objects.begin(), objects.end(), [&](const TrackedObject& other) {
     return &other != &object && other.belief.size() > 1;
   });
-  // A detection of an object that is known in the world does tell of its error.
-  if (!any || has_known_objects) return std::nullopt;
+  // A camera whose pose is given, and an object that is known in the world, do tell of its error.
+  if (!any || has_given_camera || has_known_objects) return std::nullopt;
   return joint.world_error();
 }
 

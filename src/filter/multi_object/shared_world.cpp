@@ -9,7 +9,7 @@ namespace {
 constexpr double kLeastLocal = 1e-9;
 
 /// Of the six coordinates of the world so many must be in the pose's covariance with the camera.
-constexpr double kLeastShared = 3.0;
+constexpr double kLeastShared = 5.0;
 
 /// The bound on |L^-1 G L| with P_CC - W = L L^T: six for a pose that has all of what is left of
 /// the camera's error. More is the error of W beside the little that is left.
