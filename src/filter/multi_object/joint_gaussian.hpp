@@ -145,8 +145,8 @@ class JointGaussian {
   CameraMoments camera_moments(const JointGaussian& at) const;
   CameraMoments camera_moments() const { return camera_moments(*this); }
 
-  /// The error of the world; none where the covariance is numerically not positive definite, and for
-  /// a camera far from the origin.
+  /// The error of the world; none where the covariance is numerically not positive definite, and
+  /// for a camera far from the origin.
   std::optional<WorldError> world_error() const;
 
   /// Appends an object that depends on the rest through the camera alone. Returns its index.
