@@ -154,8 +154,8 @@ void bind_group(nb::module_& m, const std::string& prefix) {
   const auto def = [&](const char* name, auto function, auto... extra) {
     m.def((prefix + name).c_str(), function, extra...);
   };
-  // Products and inverses have the bits of the operators of C++, so that increments of odometry
-  // from Python are those of a recording.
+  // Products and inverses have the bits of the operators of C++, so that increments of odometry from
+  // Python are those of a recording.
   def(
       "multiply",
       [](const Rows& a, const Rows& b) {
