@@ -55,8 +55,8 @@ void keep(Eigen::MatrixXd matrix) {
   Kept& kept = of_this_thread();
   if (!kept.matrices.empty() && kept.matrices.back().rows() != matrix.rows()) kept.clear();
   if (kept.bytes + bytes > kMostKeptBytes) return;
-  kept.bytes += bytes;
   kept.matrices.push_back(std::move(matrix));
+  kept.bytes += bytes;
 }
 
 }  // namespace posemix::internal

@@ -80,6 +80,17 @@ Mixture<Projected<G>> random_projected(std::size_t count, double reach, double s
   return Mixture<Projected<G>>(std::move(components));
 }
 
+/// A mixture of either kind of density.
+template <class D>
+Mixture<D> random_mixture_of(std::size_t count, RandomStream& stream) {
+  using G = typename D::Group;
+  if constexpr (std::is_same_v<D, Gaussian<G>>) {
+    return random_mixture<G>(count, 1.0, 0.5, stream);
+  } else {
+    return random_projected<G>(count, 1.0, 0.5, stream);
+  }
+}
+
 /// A random mixture of densities of the kind D.
 template <class D>
 Mixture<D> random_mixture_of(std::size_t count, double reach, double spread, RandomStream& stream) {

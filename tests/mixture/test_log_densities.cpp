@@ -22,21 +22,6 @@ using testing::random_element;
 using testing::random_mixture;
 using testing::thrown_message;
 
-template <class D>
-Mixture<D> four_components(RandomStream& stream) {
-  if constexpr (std::is_same_v<D, Gaussian<typename D::Group>>) {
-    return random_mixture<typename D::Group>(4, 1.0, 0.5, stream);
-  } else {
-    using G = typename D::Group;
-    std::vector<Component<D>> components;
-    for (int k = 0; k < 4; ++k) {
-      components.push_back({std::log(0.5 + stream.uniform()),
-                            D(random_element<G>(1.0, stream), random_covariance<G>(0.5, stream))});
-    }
-    return Mixture<D>(std::move(components));
-  }
-}
-
 /// Draws, what lies far from all components, the components' means, and their neighbours at angles
 /// down to 3e-9.
 template <class D>
@@ -76,7 +61,7 @@ TYPED_TEST(LogDensities, AreThoseOfTheEvaluators) {
   using D = TypeParam;
   using G = typename D::Group;
   RandomStream stream(31);
-  const Mixture<D> mixture = four_components<D>(stream);
+  const Mixture<D> mixture = random_mixture_of<D>(4, stream);
   const typename Mixture<D>::Evaluator evaluator(mixture);
   const typename D::Evaluator of_one(mixture[2].density);
   internal::by_every_instruction_set([&] {
@@ -105,7 +90,7 @@ TYPED_TEST(LogDensities, DependOnTheirElementAlone) {
   using D = TypeParam;
   using G = typename D::Group;
   RandomStream stream(32);
-  const Mixture<D> mixture = four_components<D>(stream);
+  const Mixture<D> mixture = random_mixture_of<D>(4, stream);
   const std::vector<G> points = points_of(mixture, 300, stream);
   const std::vector<double> all = log_densities(mixture, std::span<const G>(points));
   for (const std::size_t i : {std::size_t{0}, std::size_t{3}, std::size_t{258}, std::size_t{299}})

@@ -16,21 +16,6 @@ using testing::Projected;
 using testing::random_covariance;
 using testing::random_element;
 
-template <class D>
-Mixture<D> three_components(RandomStream& stream) {
-  using G = typename D::Group;
-  if constexpr (std::same_as<D, Gaussian<G>>) {
-    return testing::random_mixture<G>(3, 1.0, 0.5, stream);
-  } else {
-    std::vector<Component<D>> components;
-    for (int k = 0; k < 3; ++k) {
-      components.push_back({std::log(0.5 + stream.uniform()),
-                            D(random_element<G>(1.0, stream), random_covariance<G>(0.5, stream))});
-    }
-    return Mixture<D>(std::move(components));
-  }
-}
-
 /// Whether `found` are the draws of `density` by a stream, which they leave where these do.
 template <class D>
 void expect_draws(const std::vector<typename D::Group>& found, RandomStream& after,
@@ -50,7 +35,7 @@ TYPED_TEST_SUITE(Samples, Sampled);
 
 TYPED_TEST(Samples, AreThoseOfAsManyCalls) {
   RandomStream made(41);
-  const Mixture<TypeParam> mixture = three_components<TypeParam>(made);
+  const Mixture<TypeParam> mixture = random_mixture_of<TypeParam>(3, made);
   internal::by_every_instruction_set([&] {
     // None, one, and less and more than a block.
     for (const std::size_t count : {0, 1, 255, 256, 257, 600}) {

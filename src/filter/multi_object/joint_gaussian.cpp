@@ -70,24 +70,23 @@ MatrixXd JointGaussian::rows_of(std::size_t index) {
   return covariance_.middleRows(first(index), dof(index));
 }
 
-/// The camera and the first few poses, whose common shift is known as well as that of all, but for
-/// how well they are known to each other; behind them the extrinsics, which a shift leaves.
-std::vector<Index> JointGaussian::anchors(std::size_t& poses) const {
-  std::vector<Index> at;
-  for (std::size_t i = 0; i < size() && at.size() < kMostAnchors; ++i) {
+/// The common shift of few is known as well as that of all, but for how well they are known to each
+/// other.
+JointGaussian::Anchors JointGaussian::anchors() const {
+  Anchors anchors{};
+  for (std::size_t i = 0; i < size() && anchors.poses < kMostAnchors; ++i) {
     const Block& block = blocks_[i];
-    if (block.at >= 0 && !block.slow && !block.is_motion && !is_extrinsic(i))
-      at.push_back(block.at);
+    if (block.at < 0 || block.slow || block.is_motion || is_extrinsic(i)) continue;
+    anchors.at.push_back(block.at);
+    ++anchors.poses;
   }
-  poses = at.size();
-  for (std::size_t e = 0; e < extrinsics_; ++e) at.push_back(first(extrinsic_block(e)));
-  return at;
+  for (std::size_t e = 0; e < extrinsics_; ++e) anchors.at.push_back(first(extrinsic_block(e)));
+  return anchors;
 }
 
 std::optional<WorldError> JointGaussian::world_error() const {
   if (pose(kCamera).translation().norm() > kFarthest_m) return std::nullopt;
-  std::size_t poses = 0;
-  const std::vector<Index> at = anchors(poses);
+  const auto [at, poses] = anchors();
   MatrixXd b(offset(at.size()), offset(at.size()));
   for (std::size_t k = 0; k < at.size(); ++k) {
     for (std::size_t i = 0; i < at.size(); ++i)
@@ -109,9 +108,8 @@ std::optional<WorldError> JointGaussian::world_error() const {
 
 MatrixXd JointGaussian::covariance_with(const WorldError& world) const {
   MatrixXd result = MatrixXd::Zero(kPoseDof, covariance_.cols());
-  std::size_t poses = 0;
   Index k = 0;
-  for (const Index at : anchors(poses)) {
+  for (const Index at : anchors().at) {
     result.noalias() += world.weights.middleCols<6>(k) * covariance_.middleRows<6>(at);
     k += kPoseDof;
   }

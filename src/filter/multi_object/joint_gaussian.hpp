@@ -239,6 +239,12 @@ class JointGaussian {
     std::shared_ptr<const SixColumns> columns;  ///< U; null for a shift of the world
     Vector6d mean = Vector6d::Zero();           ///< since the base was made
   };
+  /// Of the camera and the first few poses, which a shift of the world moves, and behind them of
+  /// the extrinsics, which it does not.
+  struct Anchors {
+    std::vector<Eigen::Index> at;
+    std::size_t poses;
+  };
   /// Of active blocks, for rebase_like().
   struct Coordinates {
     std::vector<Eigen::Index> kept;          ///< of what stays active
@@ -250,8 +256,8 @@ class JointGaussian {
   Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
   Eigen::Index rig_dof() const { return offset(1 + extrinsics_); }
-  /// First coordinates of the blocks that world_error() is from, the `poses` that shift first.
-  std::vector<Eigen::Index> anchors(std::size_t& poses) const;
+  /// First coordinates of the blocks that world_error() is from.
+  Anchors anchors() const;
   /// Covariance of the error of the world with every coordinate, 6 rows.
   Eigen::MatrixXd covariance_with(const WorldError& world) const;
   /// update() in the columns of what the detection sees, for an object of Own coordinates; none
