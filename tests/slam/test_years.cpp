@@ -267,7 +267,8 @@ TEST(Years, NothingGrowsAndErrorsStayAsLargeAsTheCovariancesSay) {
     EXPECT_GT(last.anees(object), 0.8) << object;
     EXPECT_LT(last.anees(object), 1.25) << object;
   }
-  // Nothing tells where the world is. In 200,000 frames almost a third of the variance was lost once.
+  // Nothing tells where the world is. In 200,000 frames almost a third of the variance was lost
+  // once.
   const auto world = [](const Part& part) {
     return part.world_variance_m2 / static_cast<double>(part.looks);
   };

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/cholesky6.hpp"
+#include "base/dense_kernels.hpp"
 #include "shared_world.hpp"
 
 namespace posemix::internal {
@@ -92,18 +93,18 @@ std::optional<WorldError> JointGaussian::world_error() const {
     for (std::size_t i = 0; i < at.size(); ++i)
       block(b, i, k) = covariance_.block<6, 6>(at[i], at[k]);
   }
-  MatrixXd shift = MatrixXd::Zero(b.rows(), kPoseDof);  // N
-  for (std::size_t k = 0; k < poses; ++k) rows(shift, k).setIdentity();
-  const Eigen::LLT<MatrixXd> factor(b);
-  if (factor.info() != Eigen::Success) return std::nullopt;
-  const MatrixXd weights = factor.solve(shift);  // B^-1 N
-  Matrix6d information = shift.transpose().lazyProduct(weights);
+  if (!factor_in_place(b)) return std::nullopt;
+  MatrixXd weights = MatrixXd::Zero(kPoseDof, b.rows());
+  for (std::size_t k = 0; k < poses; ++k) columns(weights, k).setIdentity();  // N^T
+  solve_from_right(b, weights);                                               // N^T B^-1
+  Matrix6d information = Matrix6d::Zero();
+  for (std::size_t k = 0; k < poses; ++k) information += columns(weights, k);
   symmetrize(information);
-  const Eigen::LLT<Matrix6d> of_world(information);
-  if (of_world.info() != Eigen::Success) return std::nullopt;
-  WorldError world{of_world.solve(Matrix6d::Identity()), of_world.solve(weights.transpose())};
-  symmetrize(world.covariance);
-  return world;
+  const Cholesky6 of_world(information);
+  if (!of_world.ok()) return std::nullopt;
+  Matrix6d covariance = of_world.solved_rows(Matrix6d(Matrix6d::Identity()));
+  symmetrize(covariance);
+  return WorldError{covariance, covariance * weights};
 }
 
 MatrixXd JointGaussian::covariance_with(const WorldError& world) const {
