@@ -19,7 +19,7 @@ PYTHON_BUILDS = $(shell sed -n 's/^requires = \[\(.*\)\]/\1/p' pyproject.toml | 
 
 VENV_PIP = $(VENV)/bin/pip install --quiet --disable-pip-version-check
 
-.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz-built fuzz fuzz-long fuzz-coverage mutation faults bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
+.PHONY: help build built demo test test-cpp test-python test-ros report-test fuzz-built fuzz fuzz-long fuzz-coverage mutation faults repeat bench bench-built bench-table deb deb-test wheels wheels-test source-test release format style lint tidy docs \
   coverage install clean
 .DELETE_ON_ERROR:
 
@@ -30,6 +30,7 @@ help:
 	@echo 'make fuzz       the fuzz targets (libFuzzer, under sanitizers), each for FUZZ_SECONDS=60; make fuzz-long: for an hour'
 	@echo 'make fuzz-coverage  lines of the readers that their inputs reach'
 	@echo 'make mutation   small changes of the library, which the tests should notice; takes hours'
+	@echo 'make repeat     the tests a hundred times, in random orders, beside other work (REPEAT_RUNS)'
 	@echo 'make faults     the program under faults of disk and memory, at every call by which it changes files'
 	@echo 'make bench      build and run the benchmarks, results into build/bench; those of the report page in a browser; last'
 	@echo '                one table of the library beside its peers (docs/benchmarks.md), which make bench-table makes alone'
@@ -133,6 +134,12 @@ test-ros: build/.ros
 # Every call by which a command changes files is disturbed, one after the other.
 faults: built
 	POSEMIX_FAULT_POINTS=all ctest --preset release -L '^faults$$'
+
+REPEAT_RUNS ?= 100
+
+# Hours: tests that need the data are skipped without POSEMIX_DATA.
+repeat: built
+	tools/repeat_tests --build build/release --runs $(REPEAT_RUNS)
 
 FUZZ_SECONDS ?= 60
 

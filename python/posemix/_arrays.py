@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import operator
-from typing import Any, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +13,25 @@ import numpy.typing as npt
 FloatArray: TypeAlias = npt.NDArray[np.float64]
 
 
+def real_numbers(values: npt.ArrayLike, name: str, order: Literal["K", "C"] = "K") -> FloatArray:
+    """Values as doubles, which are not copied if they are some.
+
+    Raises TypeError for dates, texts and complex numbers, and ValueError for values that are masked.
+    """
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise ValueError(f"{name} has values that are masked; expected numbers")
+    array = np.asarray(values)
+    if array.size > 0 and array.dtype.kind not in "biufO":
+        raise TypeError(f"{name} has values of the type {array.dtype}; expected real numbers")
+    return np.asarray(array, dtype=np.float64, order=order)
+
+
 def as_floats(values: npt.ArrayLike, trailing: tuple[int, ...], name: str) -> FloatArray:
     """Values as a C-contiguous array of doubles whose last axes are `trailing`.
 
     An array that already has this form is not copied.
     """
-    array = np.asarray(values, dtype=np.float64, order="C")
+    array = real_numbers(values, name, "C")
     if array.shape[array.ndim - len(trailing) :] != trailing or array.ndim < len(trailing):
         expected = ", ".join(["...", *map(str, trailing)])
         raise ValueError(f"{name} has shape {array.shape}; expected ({expected})")
@@ -31,7 +44,7 @@ def as_vectors(values: npt.ArrayLike, size: int, name: str) -> tuple[FloatArray,
     Doubles are copied only if the numbers of a vector are not next to each other, or if the vectors are not
     evenly apart.
     """
-    array = np.asarray(values, dtype=np.float64)
+    array = real_numbers(values, name)
     row = array.strides[0] if array.ndim == 2 else -1
     if array.shape[-1:] != (size,) or array.strides[-1] != 8 or row < 0 or row % 8 or not array.flags.aligned:
         array = as_floats(array, (size,), name)

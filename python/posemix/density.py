@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray, as_floats
+from posemix._arrays import FloatArray, as_floats, real_numbers
 from posemix._elements import Elements
 from posemix.lie import SE3, SO3
 from posemix.random import RandomStream, stream_of
@@ -108,7 +108,7 @@ class ConcentratedGaussian(_Density[G]):
     __slots__ = ()
 
     def __init__(self, mean: G, covariance: npt.ArrayLike) -> None:
-        matrix = np.asarray(covariance, dtype=np.float64, order="C")
+        matrix = real_numbers(covariance, "covariance", "C")
         if not isinstance(mean, (SO3, SE3)):
             raise TypeError(f"mean is a {type(mean).__name__}; expected SO3 or SE3")
         dof = mean.DOF * math.prod(mean.shape)
@@ -229,7 +229,7 @@ class ProjectedGaussian(_Density[G]):
     def __init__(
         self, tangent_point: SO3, tangent_mean: npt.ArrayLike, covariance: npt.ArrayLike
     ) -> None:
-        mean = np.asarray(tangent_mean, dtype=np.float64, order="C")
+        mean = real_numbers(tangent_mean, "tangent_mean", "C")
         if mean.shape not in ((3,), (6,)):
             raise ValueError(f"tangent_mean has shape {mean.shape}; expected (3,) or (6,)")
         matrix = as_floats(covariance, (len(mean), len(mean)), "covariance")

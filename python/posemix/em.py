@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from posemix import _core
-from posemix._arrays import FloatArray
+from posemix._arrays import FloatArray, real_numbers
 from posemix._core import BicSelection, EmResult, EmSettings
 from posemix._elements import Elements
 from posemix.density import rows_of
@@ -30,7 +30,7 @@ def _arguments(
         raise ValueError(f"distribution is '{distribution}'; expected 'concentrated' or 'projected'")
     if len(Elements._checked(samples, "samples").shape) != 1:
         raise ValueError(f"samples have shape {samples.shape}; expected (n,)")
-    counts = np.empty(0) if weights is None else np.asarray(weights, dtype=np.float64)
+    counts = np.empty(0) if weights is None else real_numbers(weights, "weights")
     if weights is not None and counts.shape != samples.shape:
         raise ValueError(f"weights has shape {counts.shape}; expected {samples.shape}")
     return rows_of(samples), distribution == "projected", counts.tolist()

@@ -164,7 +164,16 @@ def fuse_arrays(
     covariance_y: npt.ArrayLike,
     settings: FuseSettings | None = None,
 ) -> tuple[SE3, FloatArray, npt.NDArray[np.bool_]]:
-    """Means and covariances of the fused densities of X_i and Y_i; arguments as for `compose_arrays`.
+    """Means and covariances of the fused densities of X_i and Y_i, on one thread; see `fuse`.
+
+    Parameters
+    ----------
+    x, y : SE3, shape (n,) or ()
+        Means, as for `compose_arrays`.
+    covariance_x, covariance_y : array_like, shape (n, 6, 6) or (6, 6)
+        Covariances, as for `compose_arrays`.
+    settings : FuseSettings, optional
+        Stopping criteria of the iteration.
 
     Returns
     -------

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -127,3 +128,32 @@ def test_models_of_one_class_must_be_alike() -> None:
         px.ObjectSlam(CAMERA, bolts)
     bolts[1].class_id = "nut"
     px.ObjectSlam(CAMERA, bolts)
+
+
+NOT_NUMBERS: dict[str, Any] = {
+    "dates": np.array([0, 1, 2], dtype="M8[D]"),
+    "complex": np.array([0.0, 1.0, 2.0j]),
+    "texts": ["0", "1", "2"],
+}
+
+
+@pytest.mark.parametrize("values", NOT_NUMBERS.values(), ids=NOT_NUMBERS)
+def test_what_are_no_numbers_is_refused(values: Any) -> None:
+    for take in (px.SO3.exp, lambda x: px.SE3(translation=x)):
+        with pytest.raises(TypeError, match="has values of the type .*; expected real numbers"):
+            take(values)
+    with pytest.raises(TypeError, match="covariance has values of the type"):
+        px.ConcentratedGaussian(px.SE3(), np.eye(6).astype(complex))
+
+
+def test_values_that_are_masked_are_none() -> None:
+    hidden = np.ma.array([0.0, 1.0, 2.0], mask=[False, True, False])
+    with pytest.raises(ValueError, match="translation has values that are masked; expected numbers"):
+        px.SE3(translation=hidden)
+    shown = np.ma.array([0.0, 1.0, 2.0], mask=False)
+    assert px.SE3(translation=shown).is_approx(px.SE3(translation=[0.0, 1.0, 2.0]), 0.0)
+
+
+def test_integers_and_numbers_of_python_are_numbers() -> None:
+    assert np.array_equal(px.SE3(translation=[Fraction(1, 2), 1, True]).translation, [0.5, 1.0, 1.0])
+    assert px.SO3.exp(np.zeros((0, 3), dtype=int)).shape == (0,)

@@ -115,6 +115,8 @@ void check_options(const CLI::App& command, const ConsistencyOptions& options) {
     throw CLI::ValidationError(
         "--svg", "got - beside --json -, expected the name of a file for one of them");
   }
+  if (options.json && options.svg && *options.json == *options.svg)
+    throw CLI::ValidationError("--svg", "is the file of --json, expected another one");
   if (input.data && !(input.truth && is_sequence_file(*input.truth)))
     throw CLI::ValidationError("--data", "is for --truth with a sequence file");
   if (!is_slam_result(input.estimate)) return;

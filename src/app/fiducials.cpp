@@ -25,6 +25,12 @@
 namespace posemix {
 namespace {
 
+// Beyond these nothing is a tag that a camera sees, or an error of its corners.
+constexpr NumberRange kTagSize{.lowest = 1e-4, .highest = 1e3};
+constexpr NumberRange kPixelError{.lowest = 1e-6, .highest = 1e4};
+constexpr NumberRange kSharedPixelError{.lowest = 0.0, .highest = 1e4};
+constexpr NumberRange kDegreesOfFreedom{.lowest = 0.1, .highest = 1e9};
+
 struct FiducialOptions {
   std::string corners;
   std::string cameras;
@@ -179,7 +185,7 @@ void add_input_options(CLI::App& command, FiducialOptions& options) {
       ->type_name("TAGSLAM.yaml");
   command
       .add_option("--size", options.size, "Edge of every tag [m]; with --tags of those not in it")
-      ->check(number_in(kPositive))
+      ->check(number_in(kTagSize))
       ->type_name("M");
   command
       .add_option("--odometry", options.odometry,
@@ -194,18 +200,18 @@ void add_setting_options(CLI::App& command, FiducialOptions& options) {
       command
           .add_option("--corner-noise", options.noise,
                       "Scale of the noise of a corner's coordinate [px]; learned without it")
-          ->check(number_in(kPositive))
+          ->check(number_in(kPixelError))
           ->type_name("PX");
   command
       .add_option("--corner-dof", options.dof,
                   "Its degrees of freedom (Student's t); without it, it is normal")
-      ->check(number_in(kPositive))
+      ->check(number_in(kDegreesOfFreedom))
       ->needs(noise)
       ->type_name("N");
   command
       .add_option("--bearing-error", options.settings.bearing_sd_px,
                   "Error that all corners of a sighting share [px], as of calibrations")
-      ->check(number_in(kNotNegative))
+      ->check(number_in(kSharedPixelError))
       ->type_name("PX")
       ->capture_default_str();
   command

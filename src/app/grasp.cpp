@@ -7,8 +7,10 @@
 #include "command_files.hpp"
 #include "exit_codes.hpp"
 #include "mixture_commands.hpp"
+#include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/grasp/success_probability.hpp"
+#include "posemix/lie/pose_checks.hpp"
 #include "usage_error.hpp"
 
 namespace posemix {
@@ -53,7 +55,13 @@ SE3d grasp_pose(const std::vector<double>& numbers) {
     throw UsageError(fmt::format("--pose: got a quaternion of norm {:.6g}, expected 1 within {:g}",
                                  norm, kNormTolerance));
   }
-  return SE3d(SO3d::from_quaternion(q), Eigen::Vector3d(numbers[0], numbers[1], numbers[2]));
+  SE3d pose(SO3d::from_quaternion(q), Eigen::Vector3d(numbers[0], numbers[1], numbers[2]));
+  try {
+    check_pose(pose, "the grasp");
+  } catch (const InvalidInput& error) {
+    throw UsageError(fmt::format("--pose: {}", error.what()));
+  }
+  return pose;
 }
 
 Json pose_json(const SE3d& pose) {

@@ -25,6 +25,7 @@
 #include "fetch/download.hpp"
 #include "fiducials.hpp"
 #include "interrupt.hpp"
+#include "io/input_files.hpp"
 #include "live.hpp"
 #include "manual.hpp"
 #include "mixture_commands.hpp"
@@ -180,6 +181,7 @@ int run_program(int argc, const char* const* argv) {
   } catch (const CLI::ParseError& reason) {
     return answer(program, reason);
   }
+  const internal::InputGuard inputs;
   return guarded(action);
 }
 

@@ -17,6 +17,7 @@
 #include "command_options.hpp"
 #include "exit_codes.hpp"
 #include "interrupt.hpp"
+#include "io/input_files.hpp"
 #include "override_option.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/config/sequence_file.hpp"
@@ -107,8 +108,10 @@ void require_state(const SlamJob& job, const SlamOptions& options) {
     throw InvalidInput(
         "--save-state: the tracker has no state that can be saved, expected the multi-object "
         "filter");
-  const fs::path folder = fs::absolute(*options.save_state).parent_path();
-  if (fs::is_directory(folder)) return;
+  internal::refuse_input(*options.save_state);
+  std::error_code error;
+  const fs::path folder = fs::absolute(*options.save_state, error).parent_path();
+  if (fs::is_directory(folder, error)) return;
   throw InvalidInput(fmt::format("--save-state {}: there is no folder '{}'", *options.save_state,
                                  folder.string()));
 }

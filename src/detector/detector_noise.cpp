@@ -38,8 +38,12 @@ ViewingRay viewing_ray(const SE3d& camera_mode) {
 
 namespace {
 
-/// The direction from the object to the camera along the object's axes.
+/// Nearer than this the camera is at the object, and sees none of its sides [m].
+constexpr double kLeastDistanceM = 1e-9;
+
+/// The direction from the object to the camera along the object's axes; zero at the object.
 Eigen::Vector3d view_direction(const SE3d& camera_object) {
+  if (camera_object.translation().norm() < kLeastDistanceM) return Eigen::Vector3d::Zero();
   return -(camera_object.rotation().inverse() * camera_object.translation()).normalized();
 }
 
@@ -48,6 +52,7 @@ Eigen::Vector3d view_direction(const SE3d& camera_object) {
 double view_angle(const SE3d& first, const SE3d& second) {
   const Eigen::Vector3d a = view_direction(first);
   const Eigen::Vector3d b = view_direction(second);
+  if (a.isZero(0.0) || b.isZero(0.0)) return 0.0;
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 

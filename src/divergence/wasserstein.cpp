@@ -4,9 +4,12 @@
 
 #include <cstdint>
 
+#include <fmt/format.h>
 #include <Eigen/SVD>
 #include <boost/graph/adjacency_list.hpp>
 #include <boost/graph/successive_shortest_path_nonnegative_weights.hpp>
+
+#include "posemix/base/error.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -15,6 +18,8 @@ namespace {
 /// rounding.
 using Whole = std::int64_t;
 constexpr double kUnit = 0x1p40;
+/// Beyond it the unit of costs is no normal number.
+constexpr double kLargestCost = 1e300;
 
 using Traits = boost::adjacency_list_traits<boost::vecS, boost::vecS, boost::directedS>;
 using EdgeProperties =
@@ -70,6 +75,12 @@ double transport_cost(const Eigen::VectorXd& rows, const Eigen::VectorXd& column
   const std::vector<Whole> supply = whole_weights(rows);
   const std::vector<Whole> demand = whole_weights(columns);
   const double largest = cost.maxCoeff();
+  if (!cost.allFinite() || !(largest < kLargestCost)) {
+    throw InvalidInput(fmt::format(
+        "mixture_wasserstein: components are {:g} apart, squared, expected less than {:g}: nearer "
+        "positions, or a smaller length scale",
+        largest, kLargestCost));
+  }
   const double cost_unit = largest > 0.0 ? kUnit / largest : 0.0;
   const std::size_t source = supply.size() + demand.size();
   const std::size_t sink = source + 1;

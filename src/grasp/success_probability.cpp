@@ -15,6 +15,7 @@
 #include "grasp/box_integral.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/range.hpp"
+#include "posemix/lie/pose_checks.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
 namespace posemix {
@@ -128,6 +129,7 @@ SuccessEstimate success_probability(const Mixture<D>& mixture, const ToleranceBo
                                     const SE3d& m, RandomStream& stream,
                                     const SuccessSettings& settings) {
   check(settings);
+  check_pose(m, "success_probability: the grasp");
   return estimate(BoxIntegral<D>(mixture, box), mixture.size(), m, stream, settings);
 }
 

@@ -15,6 +15,7 @@
 
 #include "descriptor.hpp"
 #include "file_moves.hpp"
+#include "input_files.hpp"
 #include "partial_folder.hpp"
 
 namespace posemix {
@@ -152,9 +153,11 @@ void OutputFolder::move_files() {
   for (const fs::path& name : names_) {
     const fs::path path = target_ / name;
     if (fs::is_directory(path, error)) fail_output(path, "cannot be replaced", "is a folder");
+    refuse_input(path);
     fs::create_directories(path.parent_path(), error);
     check(error, path.parent_path(), "cannot be created");
   }
+  for (const fs::path& name : earlier_) refuse_input(target_ / name);
   FileMoves moves(hidden_path_, target_);
   if (!last_.empty()) moves.put_aside(last_);
   for (const fs::path& name : names_)
@@ -177,6 +180,7 @@ void OutputFolder::commit() {
     move_files();
   }
   committed_ = true;
+  for (const fs::path& name : names_) remember_output(target_ / name);
   hidden_.reset();
   sync_folder(target_.parent_path());
 }

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "input_files.hpp"
 #include "posemix/base/error.hpp"
 
 namespace posemix {
@@ -29,6 +30,25 @@ struct CloseFile {
 
 [[noreturn]] void fail_to_read(const std::filesystem::path& path, int reason) {
   throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(reason)));
+}
+
+using OpenFile = std::unique_ptr<std::FILE, CloseFile>;
+
+OpenFile open_to_read(const std::filesystem::path& path) {
+  OpenFile file(std::fopen(path.c_str(), "rb"));
+  if (!file) fail_to_read(path, errno);
+  return file;
+}
+
+std::string read_all(const std::filesystem::path& path, OpenFile file) {
+  std::string bytes;
+  std::array<char, 65536> buffer;
+  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), file.get())) {
+    bytes.append(buffer.data(), got);
+    if (bytes.size() > kLargestFile) fail_to_read(path, EFBIG);
+  }
+  if (std::ferror(file.get())) fail_to_read(path, errno);
+  return bytes;
 }
 
 /// `word` without a leading '+', unless another sign follows.
@@ -49,17 +69,14 @@ std::optional<Number> parse_whole(std::string_view word) {
 
 }  // namespace
 
+std::string internal::read_earlier_file(const std::filesystem::path& path) {
+  return read_all(path, open_to_read(path));
+}
+
 std::string read_file(const std::filesystem::path& path) {
-  const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
-  if (!file) fail_to_read(path, errno);
-  std::string bytes;
-  std::array<char, 65536> buffer;
-  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), file.get())) {
-    bytes.append(buffer.data(), got);
-    if (bytes.size() > kLargestFile) fail_to_read(path, EFBIG);
-  }
-  if (std::ferror(file.get())) fail_to_read(path, errno);
-  return bytes;
+  OpenFile file = open_to_read(path);
+  internal::remember_input(file.get());
+  return read_all(path, std::move(file));
 }
 
 std::string in_quotes(std::string_view text, std::size_t limit) {

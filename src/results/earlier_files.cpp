@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "io/file_moves.hpp"
+#include "io/input_files.hpp"
 #include "io/json_numbers.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
@@ -33,7 +34,7 @@ Json object_in(fs::path path) {
   if (!fs::exists(path, error)) path = set_aside(path);
   if (!fs::is_regular_file(path, error)) return Json::object();
   try {
-    Json json = Json::parse(read_file(path), nullptr, false);
+    Json json = Json::parse(internal::read_earlier_file(path), nullptr, false);
     return json.is_object() ? json : Json::object();
   } catch (const InvalidInput&) {
     return Json::object();

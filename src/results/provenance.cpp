@@ -33,6 +33,9 @@ std::string quoted_word(const std::string& word) {
   return text + "'";
 }
 
+/// The end of the year 9999, the last with four digits [s since 1970].
+constexpr std::int64_t kLastSecond = 253402300799;
+
 /// The seconds of SOURCE_DATE_EPOCH.
 std::optional<std::time_t> epoch_of_environment() {
   const char* text = std::getenv("SOURCE_DATE_EPOCH");
@@ -40,7 +43,8 @@ std::optional<std::time_t> epoch_of_environment() {
   const char* end = text + std::strlen(text);
   std::int64_t seconds = 0;
   const auto [read, error] = std::from_chars(text, end, seconds);
-  if (error != std::errc() || read != end || seconds < 0) return std::nullopt;
+  if (error != std::errc() || read != end || seconds < 0 || seconds > kLastSecond)
+    return std::nullopt;
   return static_cast<std::time_t>(seconds);
 }
 

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "io/input_files.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/output_file.hpp"
 #include "posemix/io/text.hpp"
@@ -14,7 +15,7 @@ namespace {
 /// What a function makes of the bytes of a file; its errors get the path.
 template <class Read>
 auto with_file(const std::filesystem::path& path, const Read& read) {
-  const std::string bytes = read_file(path);
+  const std::string bytes = internal::read_earlier_file(path);
   try {
     return read(bytes);
   } catch (const InvalidInput& error) {

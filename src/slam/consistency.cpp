@@ -101,6 +101,8 @@ class AxisSums {
     variances_.col(frame_++) = covariance.diagonal();
     squared_ += error * error.transpose();
     covariance_ += covariance;
+    const auto entries = covariance.reshaped();
+    products_.selfadjointView<Eigen::Lower>().rankUpdate(entries);
   }
 
   /// Axes of which some can be observed.
@@ -116,6 +118,20 @@ class AxisSums {
   std::pair<ErrorDirection, ErrorDirection> directions(std::size_t dof, double frames) const;
 
  private:
+  /// In sums over frames those that are least certain have most of the weight. The number of frames
+  /// with one covariance whose sums would scatter as much: d / sum_k tr(P_k A P_k A) with `inverse`
+  /// A = (sum_k P_k)^-1, in d dimensions.
+  double equal_frames(const Matrix6d& inverse, double dof) const {
+    const Eigen::Matrix<double, 36, 36> products = products_.selfadjointView<Eigen::Lower>();
+    double squares = 0.0;
+    for (Eigen::Index k = 0; k < 36; ++k) {
+      // tr(P A P A) = vec(A P A)^T vec(P).
+      const Matrix6d row = products.col(k).reshaped(6, 6);
+      squares += (inverse * row * inverse)(k % 6, k / 6);
+    }
+    return dof / squares;
+  }
+
   bool is_seen(Eigen::Index axis) const {
     constexpr double kLeast = 1e-9;  // of the variance of the other axes of the kind
     const Eigen::Index half = axis < 3 ? 0 : 3;
@@ -148,6 +164,8 @@ class AxisSums {
   Eigen::Index frame_ = 0;
   Matrix6d squared_ = Matrix6d::Zero();
   Matrix6d covariance_ = Matrix6d::Zero();
+  /// Sum of the products of all pairs of entries of a covariance.
+  Eigen::Matrix<double, 36, 36> products_ = Eigen::Matrix<double, 36, 36>::Zero();
 };
 
 /// E[e e^T] u = ratio E[P] u in coordinates in which E[P] is the identity, on its range.
@@ -168,7 +186,11 @@ std::pair<ErrorDirection, ErrorDirection> AxisSums::directions(std::size_t dof,
   const Matrix6d scaled = inverse_sd.asDiagonal() * squared_ * inverse_sd.asDiagonal();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> ratios(whitening.transpose() * scaled *
                                                               whitening);
-  const Interval limits = eigenvalue_limits(frames, dof);
+  const Matrix6d inverse = inverse_sd.asDiagonal() * Matrix6d(whitening * whitening.transpose()) *
+                           inverse_sd.asDiagonal();
+  const double share =
+      equal_frames(inverse, static_cast<double>(dof)) / static_cast<double>(frame_);
+  const Interval limits = eigenvalue_limits(std::max(frames * std::min(share, 1.0), 1.0), dof);
   const auto direction = [&](Eigen::Index i, double limit) {
     ErrorDirection found;
     found.ratio = std::max(0.0, ratios.eigenvalues()[i]);

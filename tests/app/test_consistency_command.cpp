@@ -201,6 +201,8 @@ TEST_F(ConsistencyCommand, OneResultOnTheStandardOutput) {
   const std::string command = "posemix consistency estimate.tum --truth truth.tum --json - --svg ";
   expect_error(command + "-", 2, "--svg: got - beside --json -, expected the name of a file");
   EXPECT_TRUE(Json::accept(output_of(command + "nees.svg")));
+  expect_error("posemix consistency estimate.tum --truth truth.tum --json a --svg a", 2,
+               "--svg: is the file of --json, expected another one");
 }
 
 TEST_F(ConsistencyCommand, OptionsWithoutAnEffectAreRefused) {

@@ -27,15 +27,13 @@ class StateCommands : public ::testing::Test {
     std::ofstream(toml()) << text.substr(0, text.find("[filter]"));
   }
   ProgramResult slam(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"slam",
-                                       toml(),
-                                       "--data",
-                                       small_.folder.path().string(),
-                                       "--quiet",
-                                       "--out",
-                                       (folder_ / "run").string(),
-                                       "--save-state",
-                                       state()};
+    return slam_to(folder_ / "run", state(), more);
+  }
+  ProgramResult slam_to(const std::filesystem::path& out, const std::string& state,
+                        const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{
+        "slam",       toml(),         "--data", small_.folder.path().string(), "--quiet", "--out",
+        out.string(), "--save-state", state};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_posemix(arguments);
   }
@@ -45,6 +43,32 @@ class StateCommands : public ::testing::Test {
   testing::SmallFolder small_;
   testing::TemporaryFolder folder_;
 };
+
+/// Results whose names are those of the recording's own files would replace them.
+TEST_F(StateCommands, NoInputIsReplaced) {
+  const auto& folder = small_.folder.path();
+  std::filesystem::rename(folder / "odometry.txt", folder / "camera.tum");
+  std::string text = content_of(toml());
+  text.replace(text.find("odometry.txt"), 12, "camera.tum");
+  std::ofstream(toml()) << text;
+  const std::string odometry = content_of(folder / "camera.tum");
+
+  const ProgramResult over_odometry = slam_to(folder, state());
+  EXPECT_EQ(over_odometry.exit_code, 3) << over_odometry.err;
+  EXPECT_NE(over_odometry.err.find("camera.tum: is an input of this command"), std::string::npos)
+      << over_odometry.err;
+  EXPECT_EQ(content_of(folder / "camera.tum"), odometry);
+  EXPECT_FALSE(std::filesystem::exists(folder / "metrics.json"));
+  EXPECT_FALSE(std::filesystem::exists(state()));
+
+  const ProgramResult over_sequence = slam_to(folder_ / "run", toml());
+  EXPECT_EQ(over_sequence.exit_code, 3) << over_sequence.err;
+  EXPECT_EQ(content_of(toml()), text);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "run"));
+
+  // Results of before are no input, with a report of them or without.
+  for (int run = 0; run < 3; ++run) EXPECT_EQ(slam({"--report"}).exit_code, 0) << run;
+}
 
 TEST_F(StateCommands, SlamSavesItsState) {
   const ProgramResult result = slam();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 
+#include "detector/view_turn.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/detector/default_noise.hpp"
@@ -35,6 +36,17 @@ TEST(DetectorNoise, TheSlowErrorDecaysWithViewAndTime) {
   EXPECT_DOUBLE_EQ(slow.correlation(10.0, 0.0), std::exp(-1.0));
   EXPECT_DOUBLE_EQ(slow.correlation(5.0, radians(30.0)), std::exp(-1.0));
   EXPECT_DOUBLE_EQ(SlowError{}.correlation(1e9, 3.0), 1.0);
+}
+
+TEST(DetectorNoise, ACameraAtTheObjectSeesNoSideOfIt) {
+  const SE3d seen(SO3d(), {0.1, -0.2, 1.0});
+  for (const double at : {0.0, -0.0, 5e-324, 1e-170, 1e-12}) {
+    const SE3d here(SO3d::exp({0.1, 0.2, 0.3}), {at, at, at});
+    EXPECT_EQ(view_angle(here, seen), 0.0) << at;
+    EXPECT_EQ(view_angle(seen, here), 0.0) << at;
+    EXPECT_EQ(internal::view_turn(here, seen), Eigen::Vector3d::Zero()) << at;
+    EXPECT_EQ(internal::view_turn(here, here), Eigen::Vector3d::Zero()) << at;
+  }
 }
 
 TEST(DetectorNoise, AsWhiteAddsWhatLasts) {

@@ -10,6 +10,7 @@
 
 #include "posemix/divergence/wasserstein.hpp"
 #include "posemix/testing/density_draw.hpp"
+#include "posemix/testing/expect.hpp"
 
 namespace posemix {
 namespace {
@@ -29,6 +30,15 @@ template <class G>
 class WassersteinOn : public ::testing::Test {};
 using Groups = ::testing::Types<SO3d, SE3d, PoseStackd, Rnd<3>>;
 TYPED_TEST_SUITE(WassersteinOn, Groups);
+
+TEST(MixtureWasserstein, RefusesDistancesThatNoNumberHolds) {
+  const Mixture<ConcentratedGaussian<Rnd<1>>> near({{0.0, line(0.0, 1.0)}, {0.0, line(1.0, 1.0)}});
+  const Mixture<ConcentratedGaussian<Rnd<1>>> far({{0.0, line(0.0, 1.0)}, {0.0, line(1e152, 1.0)}});
+  EXPECT_NE(testing::thrown_message([&] {
+              mixture_wasserstein(near, far);
+            }).find("components are 1e+304 apart, squared"),
+            std::string::npos);
+}
 
 TEST(GaussianWasserstein, ByHandOnTheLine) {
   EXPECT_NEAR(gaussian_wasserstein(line(1.0, 2.0), line(4.0, 6.0)), 5.0, 1e-14);

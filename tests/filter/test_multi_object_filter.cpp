@@ -6,6 +6,7 @@
 
 #include "multi_object_scene.hpp"
 #include "posemix/density/pose_stack.hpp"
+#include "posemix/detector/default_noise.hpp"
 
 namespace posemix {
 namespace {
@@ -111,6 +112,25 @@ TEST(MultiObjectFilter, AGrossErrorMovesNothing) {
   const auto after = filter.joint();
   EXPECT_LT((after.mean() * before.mean().inverse()).log().norm(), 1e-6);
   EXPECT_TRUE(after.covariance().isApprox(before.covariance(), 1e-3));
+}
+
+/// By the defaults, whose slow error depends on the side from which an object is seen.
+TEST(MultiObjectFilter, ADetectionAtTheCameraItselfIsNoEnd) {
+  const Matrix6d q = isotropic(1e-3, 2e-3);
+  for (const double at : {0.0, 1e-170, 1e-12}) {
+    MultiObjectFilter filter(ConcentratedGaussian<SE3d>(SE3d(), q),
+                             {{default_detector_noise()}, {default_detector_noise()}}, {});
+    const auto see = [&](std::size_t object, const Eigen::Vector3d& t) {
+      filter.update(object, SE3d(SO3d(), t));
+      filter.predict_with_odometry(SE3d(SO3d(), {0.001, 0.002, 0.003}), q, 0.1);
+      const Matrix6d covariance = filter.camera().covariance();
+      ASSERT_TRUE(filter.camera().mean().translation().allFinite()) << at;
+      ASSERT_EQ(Eigen::LLT<Matrix6d>(covariance).info(), Eigen::Success) << at;
+    };
+    see(1, {0.3, 0.0, 1.0});
+    for (int frame = 0; frame < 5; ++frame) see(0, {0.0, 0.0, frame == 1 ? 1.0 : at});
+    see(1, {0.3, 0.0, 1.0});
+  }
 }
 
 TEST(MultiObjectFilter, CovariancesStayPositiveDefiniteAndWeightsNormalised) {

@@ -77,6 +77,29 @@ TEST(ConsistencyVerdict, ConsistentSeriesAreSeldomFoundOtherwise) {
   EXPECT_LE(slow, 0.127 * kSeries);
 }
 
+/// Of a filter that converges, or that loses its object now and then.
+TEST(ConsistencyVerdict, CovariancesMayDifferFromFrameToFrame) {
+  const auto converging = [](std::size_t k) { return 1.0 / std::sqrt(static_cast<double>(k) + 1); };
+  const auto lost = [](std::size_t k) { return k % 20 == 0 ? 5.0 : 1.0; };
+  const auto found_otherwise = [](const auto& sd_at) {
+    int count = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      RandomStream stream(7000 + seed);
+      std::vector<EstimateWithTruth> series;
+      for (std::size_t k = 0; k < 300; ++k) {
+        const Matrix6d p = sd_at(k) * sd_at(k) * testing::body_covariance();
+        const Vector6d error = p.llt().matrixL() * standard_normal(stream);
+        series.push_back({0.1 * static_cast<double>(k), PoseDensity(SE3d::exp(error), p), SE3d()});
+      }
+      count += consistency_of(series).verdict != ConsistencyVerdict::consistent;
+    }
+    return count;
+  };
+  // 8 %, and 3 standard errors of 1.9 %.
+  EXPECT_LE(found_otherwise(converging), 0.138 * 200);
+  EXPECT_LE(found_otherwise(lost), 0.138 * 200);
+}
+
 TEST(ConsistencyVerdict, ADirectionThatIsNoAxisHasAName) {
   // Rotation x and position y are taken for one, so that their difference has hardly any variance.
   auto series = white_series(50, 1.0, 35);

@@ -178,12 +178,13 @@ TEST_F(JournalFile, WithoutItemsIsNoReasonToRefuseAStudy) {
 TEST_F(JournalFile, DoesNotTouchAFileThatIsNone) {
   for (const std::string text : {"notes", "notes\n", "notes\nmore\n"}) {
     std::ofstream(path_, std::ios::binary) << text;
-    EXPECT_NE(invalid_input_message([&] { Journal(path_, study_, false); }).find("remove the file"),
-              std::string::npos);
-    EXPECT_NE(invalid_input_message([&] {
-                Journal(path_, study_, true);
-              }).find("the head of a study's journal"),
-              std::string::npos);
+    for (const bool resume : {false, true}) {
+      const std::string message = invalid_input_message([&] { Journal(path_, study_, resume); });
+      EXPECT_NE(message.find("journal:1: got \"notes\", expected the head of a study's journal"),
+                std::string::npos)
+          << message;
+      EXPECT_EQ(message.find("remove"), std::string::npos) << message;
+    }
     EXPECT_EQ(read_file(path_), text);
   }
 }

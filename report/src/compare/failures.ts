@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 // When a run failed, at which object, and why: spells on a wrong mode, and objects that it does not estimate.
 import { DEGREES, log, multiply } from "../math/rotation.ts";
+import { median } from "../math/statistics.ts";
 import type { Trace } from "../trace/trace.ts";
 import { RIGHT_DEG, RIGHT_MM } from "./metrics.ts";
 import type { Comparison, Run } from "./runs.ts";
@@ -44,8 +45,6 @@ export function spellsOf(states: readonly (boolean | undefined)[], seconds: Arra
     return seconds[last] - seconds[first] >= LEAST_SECONDS && count >= LEAST_FRAMES;
   });
 }
-
-const middle = (values: number[]): number => [...values].sort((a, b) => a - b)[Math.floor(values.length / 2)];
 
 /** The axis of the object about which the estimate is turned, if it is one of its axes. */
 function axisOf(trace: Trace, index: number, frame: number): string {
@@ -97,12 +96,12 @@ function reasonOf(run: Run, index: number, places: number[]): string {
   const { id } = run.trace.objects[index];
   const [error, sigma] = [run.error(id)!, run.sigma(id)];
   const pick = (values: (number | null)[] | undefined) => places.map((i) => values?.[i] ?? null).filter((value): value is number => value !== null);
-  const [degrees, mm] = [middle(pick(error.angle)), middle(pick(error.distance))];
+  const [degrees, mm] = [median(pick(error.angle)), median(pick(error.distance))];
   const isTurned = degrees > RIGHT_DEG;
   const own = pick(isTurned ? sigma?.angle : sigma?.distance);
   const off = isTurned
     ? `turned by ${degrees.toFixed(0)} deg${axisOf(run.trace, index, run.frames[places[Math.floor(places.length / 2)]])}` : `off by ${lengthText(mm)}`;
-  const said = own.length > 0 ? `, its own 99.7 % bound is ${(isTurned ? angleText : lengthText)(middle(own))}` : "";
+  const said = own.length > 0 ? `, its own 99.7 % bound is ${(isTurned ? angleText : lengthText)(median(own))}` : "";
   const seen = detectionsIn(run.trace, index, places.map((i) => run.frames[i]).filter((frame) => frame >= 0));
   return `${off}${said}${seen ? `; ${seen}` : ""}`;
 }
@@ -141,7 +140,7 @@ function disagreements(run: Run, first: Run, id: string, { seconds }: Trace): Fa
   const known = states.flatMap((state, i) => (state === undefined ? [] : [i]));
   return spellsOf(states, seconds).map((spell): Failure => {
     const places = states.flatMap((state, i) => (state && i >= spell.first && i <= spell.last ? [i] : []));
-    const [degrees, mm] = [middle(places.map((i) => apart.angle[i]!)), middle(places.map((i) => apart.distance[i]!))];
+    const [degrees, mm] = [median(places.map((i) => apart.angle[i]!)), median(places.map((i) => apart.distance[i]!))];
     return {
       run, id, kind: "other mode", from: seconds[spell.first], until: seconds[spell.last], toTheEnd: spell.last === known[known.length - 1], fromTheStart: spell.first === known[0],
       why: `the two are ${degrees.toFixed(0)} deg and ${mm.toFixed(0)} mm apart; which is right is not known (first: ${first.name})`,

@@ -222,6 +222,12 @@ function rangeText({ better }: MetricRow, { interval }: Cell, best: number): str
   return `, with 95 % between ${low} and ${high} ${better === "small" ? "%" : "points"}`;
 }
 
+/** Where the interval, that of one comparison, tells a run from the best, and only the p value of all of them does not: why. */
+export function severalText({ interval, p }: Cell): string {
+  if (!interval || p === undefined || interval[0] * interval[1] <= 0) return "";
+  return `it may be chance, since several comparisons were made: ${pText(p)} after Holm's correction`;
+}
+
 /** What stands below a value: its difference to the best, and whether that is more than chance. */
 export function cellNote(row: MetricRow, cell: Cell, names: readonly string[]): string {
   const best = row.best < 0 ? undefined : row.cells[row.best].value;
@@ -241,8 +247,10 @@ export function cellNote(row: MetricRow, cell: Cell, names: readonly string[]): 
       return difference === 0 ? `tie with ${names[row.best]}` : `tie with ${names[row.best]}: ${head}${range}${size}`;
     case "worse":
       return `${head}, ${pText(cell.p ?? 1)}${size}`;
-    case "undecided":
-      return `not told apart from ${names[row.best]}: ${head}${range}${size}`;
+    case "undecided": {
+      const several = severalText(cell);
+      return `not told apart from ${names[row.best]}: ${head}${range}${size}${several && `; ${several}`}`;
+    }
     default:
       return `${head}, not tested`;
   }

@@ -2,7 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 // Which run is better, where, and by how much, in sentences.
 import { type Failure, isJudged } from "./failures.ts";
-import { CAMERA_ROWS, cost, differenceText, type MetricRow, pText, valueText } from "./metrics.ts";
+import { CAMERA_ROWS, type Cell, cost, differenceText, type MetricRow, pText, severalText, valueText } from "./metrics.ts";
 import type { Comparison, Run } from "./runs.ts";
 
 function listed(words: string[]): string {
@@ -55,6 +55,8 @@ function inOrder(row: MetricRow, list: number[]): number[] {
   return [...list].sort((a, b) => cost(row, row.cells[a].value!) - cost(row, row.cells[b].value!));
 }
 
+const openReason = (cell: Cell) => severalText(cell) || "too few independent frames";
+
 /** One row as a sentence: who is best, who ties with it, and by how much the others are worse. */
 export function rowSentence(row: MetricRow, names: readonly string[]): string {
   const best = row.cells[row.best];
@@ -66,7 +68,7 @@ export function rowSentence(row: MetricRow, names: readonly string[]): string {
   const behind = worse.map((i) => {
     return `${names[i]} has ${value(i)} (${moreText(row, row.cells[i].value!, best.value!)}${pText(row.cells[i].p ?? 1)})`;
   });
-  const undecided = open.map((i) => `${names[i]} has ${value(i)} (not told apart: too few independent frames)`);
+  const undecided = open.map((i) => `${names[i]} has ${value(i)} (not told apart: ${openReason(row.cells[i])})`);
   return `${head}: ${[tied, ...behind, ...undecided].join("; ")}.`;
 }
 
@@ -76,9 +78,11 @@ function objectSentence(rows: MetricRow[], names: readonly string[]): string {
   const open: string[] = [];
   for (const row of rows) {
     const name = row.entity.replace(/ from the camera$/, "");
-    if (row.cells.some(({ verdict }) => verdict === "undecided")) {
+    const undecided = row.cells.flatMap((cell, i) => (cell.verdict === "undecided" ? [[names[i], openReason(cell)]] : []));
+    if (undecided.length > 0) {
       const values = inOrder(row, row.cells.flatMap(({ value, verdict }, i) => (value === undefined || verdict === "worse" ? [] : [i]))).map((i) => `${names[i]} ${valueText(row.cells[i].value, row.unit)}`);
-      open.push(`${name} (${values.join(", ")}; too few independent frames)`);
+      const isOne = undecided.every(([, reason]) => reason === undecided[0][1]);
+      open.push(`${name} (${values.join(", ")}; ${isOne ? undecided[0][1] : undecided.map(([run, reason]) => `${run}: ${reason}`).join("; ")})`);
       continue;
     }
     const best = row.cells.flatMap(({ verdict }, i) => (verdict === "best" || verdict === "tie" ? [names[i]] : []));

@@ -16,6 +16,13 @@ export interface Summary {
   max: number;
 }
 
+/** The middle value, of an even number the mean of the two in the middle; NaN of none. */
+export function median(values: Values): number {
+  const sorted = Float64Array.from(values).sort();
+  const half = sorted.length >> 1;
+  return sorted.length % 2 === 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]);
+}
+
 /** The statistics of evo; std is that of the population. */
 export function summaryOf(values: Values): Summary {
   const n = values.length;
@@ -28,9 +35,8 @@ export function summaryOf(values: Values): Summary {
   const mean = sum / n;
   let spread = 0;
   for (let i = 0; i < n; ++i) spread += (sorted[i] - mean) ** 2;
-  const half = n >> 1;
   return {
-    count: n, rmse: Math.sqrt(squares / n), mean, median: n % 2 === 1 ? sorted[half] : 0.5 * (sorted[half - 1] + sorted[half]),
+    count: n, rmse: Math.sqrt(squares / n), mean, median: median(sorted),
     std: Math.sqrt(spread / n), min: n > 0 ? sorted[0] : NaN, max: n > 0 ? sorted[n - 1] : NaN,
   };
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // The summary of a run for print: what was estimated and how well, the scene, and the plots that matter.
+import { median } from "../math/statistics.ts";
 import { isObject, type Json, type Payload } from "../payload.ts";
 import { errorNorms, spreadOf } from "../plots/series.ts";
 import { timePlot, type TimeSeries } from "../plots/time_plot.ts";
@@ -25,8 +26,8 @@ const rms = (values: Values): number | null => {
   return known.length === 0 ? null : Math.sqrt(known.reduce((sum, value) => sum + value * value, 0) / known.length);
 };
 const middle = (values: Values): number | null => {
-  const known = values.filter((value): value is number => value !== null).sort((a, b) => a - b);
-  return known.length === 0 ? null : known[Math.floor(known.length / 2)];
+  const known = values.filter((value): value is number => value !== null);
+  return known.length === 0 ? null : median(known);
 };
 
 interface Entity {

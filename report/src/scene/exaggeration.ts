@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 // How many times larger than true uncertainty is drawn, so that it is visible. It is one factor for a run: what shrinks is seen to shrink.
 import { largestEigenvalue } from "../math/linear.ts";
+import { median } from "../math/statistics.ts";
 import type { Estimate, Trace } from "../trace/trace.ts";
 
 export const FACTORS = [1, 10, 100] as const;
@@ -13,8 +14,6 @@ export function factorFor(size: number, visible: number, largest: number, most: 
   const wanted = FACTORS.find((factor) => factor * size >= visible) ?? FACTORS[FACTORS.length - 1];
   return [...FACTORS].reverse().find((factor) => factor <= wanted && factor * largest <= most) ?? FACTORS[0];
 }
-
-const middle = (sizes: number[]): number => sizes.sort((a, b) => a - b)[Math.floor(sizes.length / 2)] ?? 0;
 
 /** The factor of a run, by the 3 sigma of the position of the median object: its median over the frames, and its largest. */
 export function exaggerationOf(trace: Trace, of: (index: number) => Estimate | undefined, visible: number, most: number): number {
@@ -28,8 +27,7 @@ export function exaggerationOf(trace: Trace, of: (index: number) => Estimate | u
       estimate.covariance(frame, covariance);
       return [3 * Math.sqrt(Math.max(0, largestEigenvalue(covariance)))];
     });
-    if (sizes.length > 0) medians.push(middle(sizes));
+    if (sizes.length > 0) medians.push(median(sizes));
   }
-  const size = middle(medians);
-  return factorFor(size, visible, medians[medians.length - 1] ?? 0, most);
+  return factorFor(median(medians), visible, Math.max(...medians), most);
 }

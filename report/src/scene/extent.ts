@@ -3,6 +3,7 @@
 // Size of a run in space, and its upward direction.
 import { Box3, Vector3 } from "three";
 import { rotate } from "../math/rotation.ts";
+import { median } from "../math/statistics.ts";
 import type { PoseTrack, Trace } from "../trace/trace.ts";
 
 const SAMPLES = 120;
@@ -130,6 +131,6 @@ export function fullBounds(trace: Trace, { corners, reach }: Around): Vector3[] 
 export function axisLength(trace: Trace, size: number): number {
   const last = trace.objects.flatMap(({ world }) => placesOf(world?.pose, trace.frames).slice(-1)).map(({ point }) => point);
   const nearest = last.map((point) => Math.min(...last.filter((other) => other !== point).map((other) => other.distanceTo(point))));
-  const usualGap = nearest.sort((a, b) => a - b)[Math.floor(nearest.length / 2)] ?? Infinity;
+  const usualGap = nearest.length > 0 ? median(nearest) : Infinity;
   return Math.max(0.02 * size, Math.min(0.05 * size, 0.4 * usualGap));
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Points of a chart from the rows of a table. Where several rows make one point, the point says how many, and over what.
+import { quantileOfSorted } from "../math/statistics.ts";
 import type { Json } from "../payload.ts";
 import type { Table } from "../ui/csv.ts";
 import { columnOf, errorColumnOf, isNumber, isTotal, keyColumns, spoken, unitOfRow, valuesOf, wordColumns } from "./columns.ts";
@@ -49,12 +50,6 @@ export interface Points {
   notes: string[];
 }
 
-function median(sorted: number[], share: number): number {
-  const at = share * (sorted.length - 1);
-  const low = Math.floor(at);
-  return sorted[low] + (at - low) * (sorted[Math.min(low + 1, sorted.length - 1)] - sorted[low]);
-}
-
 function pointOf(x: string | number, values: number[], errors: (number | null)[], reduce: Choice["reduce"]): Point {
   const rows = values.length;
   if (rows === 1) {
@@ -63,7 +58,7 @@ function pointOf(x: string | number, values: number[], errors: (number | null)[]
   }
   if (reduce === "median") {
     const sorted = [...values].sort((a, b) => a - b);
-    return { x, value: median(sorted, 0.5), rows, low: median(sorted, 0.25), high: median(sorted, 0.75) };
+    return { x, value: quantileOfSorted(sorted, 0.5), rows, low: quantileOfSorted(sorted, 0.25), high: quantileOfSorted(sorted, 0.75) };
   }
   const mean = values.reduce((sum, value) => sum + value, 0) / rows;
   const se = Math.sqrt(values.reduce((sum, value) => sum + (value - mean) ** 2, 0) / (rows - 1) / rows);

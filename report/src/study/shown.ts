@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // Small lengths are shown in mm, in whichever unit a table has them, so that columns beside each other can be compared.
+import { median } from "../math/statistics.ts";
 import type { Json } from "../payload.ts";
 import type { Table } from "../ui/csv.ts";
 import { columnOf, isNumber } from "./columns.ts";
@@ -16,8 +17,8 @@ export function lengthScales(table: Table): Map<string, number> {
     const unit = LENGTH.exec(name)?.[1];
     return unit === undefined || !columnOf(table, name).every((value) => value === null || isNumber(value)) ? [] : [[name, MM[unit]] as const];
   }));
-  const sizes = [...scales].flatMap(([name, scale]) => columnOf(table, name).filter(isNumber).map((value) => scale * Math.abs(value))).sort((a, b) => a - b);
-  return sizes.length > 0 && sizes[Math.floor(sizes.length / 2)] < MOST_MM ? scales : new Map<string, number>();
+  const sizes = [...scales].flatMap(([name, scale]) => columnOf(table, name).filter(isNumber).map((value) => scale * Math.abs(value)));
+  return median(sizes) < MOST_MM ? scales : new Map<string, number>();
 }
 
 export const shownName = (name: string): string => name.replace(LENGTH, "_mm");
@@ -30,8 +31,8 @@ function rowScale(table: Table): ((row: Json[]) => number) | undefined {
   const unit = table.columns.indexOf("unit");
   const scale = (row: Json[]) => (row[unit] === "m" || row[unit] === "cm" ? MM[row[unit]] : 1);
   const sizes = table.rows.filter((row) => scale(row) !== 1).flatMap((row) =>
-    row.filter((value, k): value is number => isNumber(value) && OF_ROW.test(table.columns[k])).map((value) => scale(row) * Math.abs(value))).sort((a, b) => a - b);
-  return sizes.length > 0 && sizes[Math.floor(sizes.length / 2)] < MOST_MM ? scale : undefined;
+    row.filter((value, k): value is number => isNumber(value) && OF_ROW.test(table.columns[k])).map((value) => scale(row) * Math.abs(value)));
+  return median(sizes) < MOST_MM ? scale : undefined;
 }
 
 /** A table as the page shows it, with its lengths in mm. */

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // What a study found, in sentences made of its tables. A study whose columns are not known has none: nothing is invented.
+import { median } from "../math/statistics.ts";
 import type { Json } from "../payload.ts";
 import type { Table } from "../ui/csv.ts";
 import { isNumber } from "./columns.ts";
@@ -93,8 +94,8 @@ function noise(tables: Tables): string[] {
   const heavy = least(rows, "kurtosis", (value) => -value)[0];
   const tails = rows.filter((row) => (row["kurtosis"] as number) > 4).length;
   const found = [`The tails are heavier than a Gaussian's (kurtosis above 4) in ${tails} of ${rows.length} distributions; the heaviest is ${named(heavy["axis"])} of ${named(heavy["object"])} by ${named(heavy["detector"])}, ${written(heavy["kurtosis"] as number)} (Gaussian: 3).`];
-  const dependent = having(rows, "dependent_frames").map((row) => row["dependent_frames"] as number).sort((a, b) => a - b);
-  if (dependent.length > 0) found.push(`Errors last: in the median, ${written(dependent[Math.floor(dependent.length / 2)])} frames carry the information of one independent frame.`);
+  const dependent = having(rows, "dependent_frames").map((row) => row["dependent_frames"] as number);
+  if (dependent.length > 0) found.push(`Errors last: in the median, ${written(median(dependent))} frames carry the information of one independent frame.`);
   return found;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 // Where an object is on a wrong mode, and where the filter says itself that it does not know the pose.
 import { DEGREES } from "../math/rotation.ts";
+import { median } from "../math/statistics.ts";
 import { short } from "../ui/numbers.ts";
 import type { Deviation } from "./deviation.ts";
 import { differenceOf, inWords } from "./difference.ts";
@@ -35,8 +36,8 @@ function widthsOf(estimate: Estimate, frames: number): { place: Float32Array; tu
 
 /** The width beyond which the position of an object that may have moved is not known. */
 function limitOf(place: Float32Array): number {
-  const known = place.filter((width) => !Number.isNaN(width)).sort();
-  return Math.min(REACH_M, Math.max(LEAST_WIDTH, TIMES_USUAL * (known[known.length >> 1] ?? 0)));
+  const known = place.filter((width) => !Number.isNaN(width));
+  return Math.min(REACH_M, Math.max(LEAST_WIDTH, TIMES_USUAL * (known.length > 0 ? median(known) : 0)));
 }
 
 function fromTruth({ pose, truth }: Estimate, frame: number): string {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 // What is in metrics.json of the whole run, in sentences.
+import { median } from "../math/statistics.ts";
 import { isObject, type Json, type JsonObject } from "../payload.ts";
 import { fixed, plural, short, time } from "../ui/numbers.ts";
 import type { Trace } from "./trace.ts";
@@ -57,8 +58,6 @@ export function cameraSentence(metrics: Json | undefined): string | undefined {
   if (Number.isNaN(odometry.position) || isGiven) return `${text}.`;
   return `${text}. Odometry alone has ${both(odometry)}: ${besideOdometry(camera, odometry)}.`;
 }
-
-const median = (values: number[]) => [...values].sort((a, b) => a - b)[values.length >> 1];
 
 /** The objects as seen from the camera beside their detections, over the same frames; undefined without ground truth. */
 export function detectorSentence(metrics: Json | undefined): string | undefined {

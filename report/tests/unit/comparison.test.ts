@@ -3,7 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { failuresOf, failureText, spellsOf } from "../../src/compare/failures.ts";
-import { cellNote, inCommon, type MetricRow, metricRows } from "../../src/compare/metrics.ts";
+import { type Cell, cellNote, inCommon, type MetricRow, metricRows } from "../../src/compare/metrics.ts";
 import { type Comparison, distinctNames, placesOf, readComparison, unionOf } from "../../src/compare/runs.ts";
 import { failureSentence, rowSentence, verdictSentences } from "../../src/compare/verdict.ts";
 import type { PackedRun } from "../../src/payload.ts";
@@ -123,6 +123,26 @@ test("what is told apart is not listed among what is not", () => {
   const runs = ["a", "b", "c"].map((name) => ({ name }));
   const [text] = verdictSentences({ runs, hasTruth: true } as unknown as Comparison, [row("mug"), row("box")]);
   assert.match(text, /not told apart for mug \(a 7 deg, b 14 deg; too few independent frames\) and box/);
+});
+
+test("what the interval tells apart, and only the correction for several comparisons does not, is not put on too few frames", () => {
+  const test = { frames: 600, effective: 59, difference: 0.5, standardError: 0.2, p: 0.03 };
+  const cell = (value: number, interval: [number, number], p: number): Cell => ({ value, verdict: "undecided", test: { ...test, p }, p: 7 * p, interval });
+  const row = (...cells: Cell[]): MetricRow => ({
+    entity: "mug from the camera", quantity: "rotation error, rms", unit: "deg", better: "small", best: 0, frames: 600,
+    cells: [{ value: 0.344, verdict: "best", test: undefined, p: undefined, interval: undefined }, ...cells],
+  });
+  const names = ["a", "b", "c"];
+  const [beyond, around] = [cell(0.643, [0.024, 0.492], 0.03), cell(0.4, [-0.1, 0.3], 0.1)];
+  const several = "it may be chance, since several comparisons were made: p = 0.21 after Holm's correction";
+  assert.equal(cellNote(row(beyond), beyond, names), `not told apart from a: +0.299 deg (+87 %), with 95 % between +7 and +143 %, 59 independent frames; ${several}`);
+  assert.match(cellNote(row(around), around, names), /59 independent frames$/);
+  assert.equal(rowSentence(row(beyond, around), names), `Mug from the camera, rotation error, rms: a has the best value (0.344 deg); c has 0.4 deg (not told apart: too few independent frames); b has 0.643 deg (not told apart: ${several}).`);
+  // Of shares the larger is the better: the whole interval is below zero.
+  assert.match(rowSentence({ ...row(cell(80, [-30, -2], 0.03)), unit: "%", better: "large" }, names), /since several comparisons were made/);
+  const sentenceOf = (...cells: Cell[]) => verdictSentences({ runs: names.map((name) => ({ name })), hasTruth: true } as unknown as Comparison, [row(...cells), row(...cells)])[0];
+  assert.ok(sentenceOf(beyond).includes(`mug (a 0.344 deg, b 0.643 deg; ${several}) and mug`));
+  assert.ok(sentenceOf(beyond, around).includes(`mug (a 0.344 deg, c 0.4 deg, b 0.643 deg; b: ${several}; c: too few independent frames) and mug`));
 });
 
 test("ANEES is best where it is nearest to one, also from below", async () => {

@@ -136,6 +136,9 @@ test("sentences of metrics.json", () => {
   assert.match(beside(0.001, 0.5), /: the filter is worse than odometry alone: its position error/);
   assert.match(detectorSentence(eventfulMetrics())!, /2\.7 times smaller than that of the detector/);
   assert.equal(detectorSentence({ objects: { a: {} } }), undefined);
+  // Of two objects neither is the median: 2 and 4 times smaller are 3 times smaller.
+  const pairedWith = (ratio: number) => ({ paired: { estimate: { position_median_m: 0.001, rotation_median_deg: 1 }, detection: { position_median_m: 0.001 * ratio, rotation_median_deg: ratio } } });
+  assert.match(detectorSentence({ objects: { a: pairedWith(2), b: pairedWith(4) } })!, /is 3\.0 times smaller than that of the detector, the rotation error 3\.0 times smaller \(median/);
 });
 
 test("a single frame lasts no time", async () => {

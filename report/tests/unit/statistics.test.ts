@@ -6,7 +6,7 @@ import { chiSquareCdf, chiSquareQuantile, gammaP, logGamma, shareWithin } from "
 import { eigenOf } from "../../src/math/eigen.ts";
 import { cholesky } from "../../src/math/linear.ts";
 import { BOUND_SHARE, normBound } from "../../src/math/norm_bound.ts";
-import { effectiveFrames, effectiveSamples, meanSquare, quantileOfSorted, shareInterval, summaryOf } from "../../src/math/statistics.ts";
+import { effectiveFrames, effectiveSamples, meanSquare, median, quantileOfSorted, shareInterval, summaryOf } from "../../src/math/statistics.ts";
 import { normal, uniform } from "../../src/mixture/sample.ts";
 
 const close = (actual: number, expected: number, relative: number) =>
@@ -51,6 +51,15 @@ test("statistics of evo of a series that can be computed by hand", () => {
   close(found.std, Math.sqrt(6 / 4), 1e-14);
   assert.equal(summaryOf([3, 1, 2]).median, 2);
   assert.equal(quantileOfSorted([0, 10, 20], 0.25), 5);
+});
+
+test("the median of an even number lies between the two in the middle, whatever their order, which stays", () => {
+  const values = [10, 9, 100, -2];
+  assert.equal(median(values), 9.5);
+  assert.deepEqual(values, [10, 9, 100, -2]);
+  assert.equal(median(Float32Array.of(3, 20, 1)), 3);
+  assert.equal(median([Infinity, Infinity]), Infinity);
+  assert.ok(Number.isNaN(median([])));
 });
 
 test("the effective number of frames: all of white errors, (1 - a^2) / (1 + a^2) of a first-order process, one of a constant", () => {

@@ -89,12 +89,16 @@ std::optional<FinishedItem> item_in(const Json& line, std::size_t items) {
   return FinishedItem{line["item"].get<std::size_t>(), line["result"].get<std::string>()};
 }
 
-/// Whether a text is the head of a journal, or the beginning of one, without any item.
-bool is_head_alone(std::string_view text) {
+/// Whether a text begins as a journal does, as far as it goes.
+bool is_journal(std::string_view text) {
   const std::string_view begin = "{\"schema\":1,\"study\":";
   const std::size_t size = std::min(text.size(), begin.size());
-  return text.substr(0, size) == begin.substr(0, size) &&
-         std::count(text.begin(), text.end(), '\n') <= 1;
+  return text.substr(0, size) == begin.substr(0, size);
+}
+
+/// Whether it is the head of a journal, or the beginning of one, without any item.
+bool is_head_alone(std::string_view text) {
+  return is_journal(text) && std::count(text.begin(), text.end(), '\n') <= 1;
 }
 
 /// The first key of two headers whose values differ, and both values.
@@ -147,6 +151,12 @@ Journal::~Journal() {
 void Journal::read(const Study& study, bool resume) {
   std::string text = read_file(path_);
   const bool is_new = is_head_alone(text);
+  if (!is_journal(text)) {
+    throw InvalidInput(fmt::format(
+        "{}:1: got {}, expected the head of a study's journal: another file has its name, write to "
+        "another folder",
+        path_.string(), in_quotes(std::string_view(text).substr(0, text.find('\n')))));
+  }
   if (!is_new && !resume) {
     throw InvalidInput(fmt::format(
         "{}: the journal of an interrupted study; continue it with --resume, or remove the file",
@@ -154,9 +164,6 @@ void Journal::read(const Study& study, bool resume) {
   }
   // A line that was cut off is none, and a head alone is as good as no journal.
   text.resize(is_new ? 0 : text.rfind('\n') + 1);
-  if (!is_new && text.empty())
-    throw InvalidInput(
-        fmt::format("{}: got no line, expected the head of a study's journal", path_.string()));
   cut_to(text.size());
   if (is_new) return write_head(study);
   LineReader lines(text, path_.string());
