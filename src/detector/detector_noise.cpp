@@ -38,8 +38,9 @@ ViewingRay viewing_ray(const SE3d& camera_mode) {
 
 namespace {
 
-/// Nearer than this the camera is at the object, and sees none of its sides [m].
-constexpr double kLeastDistanceM = 1e-9;
+/// Nearer than this the camera is at the object, and sees none of its sides [m]: the square is lost
+/// to rounding.
+constexpr double kLeastDistanceM = 1e-150;
 
 /// The direction from the object to the camera along the object's axes; zero at the object.
 Eigen::Vector3d view_direction(const SE3d& camera_object) {

@@ -40,13 +40,16 @@ TEST(DetectorNoise, TheSlowErrorDecaysWithViewAndTime) {
 
 TEST(DetectorNoise, ACameraAtTheObjectSeesNoSideOfIt) {
   const SE3d seen(SO3d(), {0.1, -0.2, 1.0});
-  for (const double at : {0.0, -0.0, 5e-324, 1e-170, 1e-12}) {
+  for (const double at : {0.0, -0.0, 5e-324, 1e-170}) {
     const SE3d here(SO3d::exp({0.1, 0.2, 0.3}), {at, at, at});
     EXPECT_EQ(view_angle(here, seen), 0.0) << at;
     EXPECT_EQ(view_angle(seen, here), 0.0) << at;
     EXPECT_EQ(internal::view_turn(here, seen), Eigen::Vector3d::Zero()) << at;
     EXPECT_EQ(internal::view_turn(here, here), Eigen::Vector3d::Zero()) << at;
   }
+  // Detectors do answer so.
+  const SE3d near(SO3d(), {0.0, 0.0, 3e-12});
+  EXPECT_NEAR(internal::view_turn(near, seen).norm(), view_angle(near, seen), 1e-15);
 }
 
 TEST(DetectorNoise, AsWhiteAddsWhatLasts) {
