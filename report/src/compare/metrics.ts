@@ -225,7 +225,7 @@ function rangeText({ better }: MetricRow, { interval }: Cell, best: number): str
 /** Where the interval, that of one comparison, tells a run from the best, and only the p value of all of them does not: why. */
 export function severalText({ interval, p }: Cell): string {
   if (!interval || p === undefined || interval[0] * interval[1] <= 0) return "";
-  return `it may be chance, since several comparisons were made: ${pText(p)} after Holm's correction`;
+  return `${pText(p)} over all comparisons (Holm)`;
 }
 
 /** What stands below a value: its difference to the best, and whether that is more than chance. */

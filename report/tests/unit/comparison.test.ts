@@ -134,12 +134,12 @@ test("what the interval tells apart, and only the correction for several compari
   });
   const names = ["a", "b", "c"];
   const [beyond, around] = [cell(0.643, [0.024, 0.492], 0.03), cell(0.4, [-0.1, 0.3], 0.1)];
-  const several = "it may be chance, since several comparisons were made: p = 0.21 after Holm's correction";
+  const several = "p = 0.21 over all comparisons (Holm)";
   assert.equal(cellNote(row(beyond), beyond, names), `not told apart from a: +0.299 deg (+87 %), with 95 % between +7 and +143 %, 59 independent frames; ${several}`);
   assert.match(cellNote(row(around), around, names), /59 independent frames$/);
   assert.equal(rowSentence(row(beyond, around), names), `Mug from the camera, rotation error, rms: a has the best value (0.344 deg); c has 0.4 deg (not told apart: too few independent frames); b has 0.643 deg (not told apart: ${several}).`);
   // Of shares the larger is the better: the whole interval is below zero.
-  assert.match(rowSentence({ ...row(cell(80, [-30, -2], 0.03)), unit: "%", better: "large" }, names), /since several comparisons were made/);
+  assert.match(rowSentence({ ...row(cell(80, [-30, -2], 0.03)), unit: "%", better: "large" }, names), /over all comparisons \(Holm\)/);
   const sentenceOf = (...cells: Cell[]) => verdictSentences({ runs: names.map((name) => ({ name })), hasTruth: true } as unknown as Comparison, [row(...cells), row(...cells)])[0];
   assert.ok(sentenceOf(beyond).includes(`mug (a 0.344 deg, b 0.643 deg; ${several}) and mug`));
   assert.ok(sentenceOf(beyond, around).includes(`mug (a 0.344 deg, c 0.4 deg, b 0.643 deg; b: ${several}; c: too few independent frames) and mug`));
