@@ -94,15 +94,16 @@ NeesSummary summary_of(const Part& part, std::span<const EstimateWithTruth> seri
 class AxisSums {
  public:
   explicit AxisSums(std::size_t frames)
-      : errors_(6, static_cast<Eigen::Index>(frames)), variances_(errors_) {}
+      : errors_(6, static_cast<Eigen::Index>(frames)), variances_(errors_) {
+    covariances_.reserve(frames);
+  }
 
   void add(const Vector6d& error, const Matrix6d& covariance) {
     errors_.col(frame_) = error;
     variances_.col(frame_++) = covariance.diagonal();
     squared_ += error * error.transpose();
     covariance_ += covariance;
-    const auto entries = covariance.reshaped();
-    products_.selfadjointView<Eigen::Lower>().rankUpdate(entries);
+    covariances_.push_back(covariance);
   }
 
   /// Axes of which some can be observed.
@@ -118,19 +119,14 @@ class AxisSums {
   std::pair<ErrorDirection, ErrorDirection> directions(std::size_t dof, double frames) const;
 
  private:
-  /// In sums over frames those that are least certain have most of the weight. The number of frames
-  /// with one covariance whose sums would scatter as much: d / sum_k tr(P_k A P_k A) with `inverse`
-  /// A = (sum_k P_k)^-1, in d dimensions.
-  double equal_frames(const Matrix6d& inverse, double dof) const {
-    const Eigen::Matrix<double, 36, 36> products = products_.selfadjointView<Eigen::Lower>();
-    double squares = 0.0;
-    for (Eigen::Index k = 0; k < 36; ++k) {
-      // tr(P A P A) = vec(A P A)^T vec(P).
-      const Matrix6d row = products.col(k).reshaped(6, 6);
-      squares += (inverse * row * inverse)(k % 6, k / 6);
-    }
-    return dof / squares;
-  }
+  /// Of how many frames with one covariance the sums over these would scatter as much and be as
+  /// skewed: in sums the frames that are least certain have most of the weight.
+  struct EqualFrames {
+    double by_scatter;
+    double by_skewness;
+  };
+  EqualFrames equal_frames(const Matrix6d& inverse, double dof) const;
+  Interval direction_limits(const Matrix6d& inverse, std::size_t dof, double frames) const;
 
   bool is_seen(Eigen::Index axis) const {
     constexpr double kLeast = 1e-9;  // of the variance of the other axes of the kind
@@ -164,9 +160,35 @@ class AxisSums {
   Eigen::Index frame_ = 0;
   Matrix6d squared_ = Matrix6d::Zero();
   Matrix6d covariance_ = Matrix6d::Zero();
-  /// Sum of the products of all pairs of entries of a covariance.
-  Eigen::Matrix<double, 36, 36> products_ = Eigen::Matrix<double, 36, 36>::Zero();
+  std::vector<Matrix6d> covariances_;
 };
+
+/// With `inverse` A = (sum_k P_k)^-1 in d dimensions and t_m = sum_k tr (P_k A)^m: d / t_2, and
+/// t_2^3 / (d t_3^2), which are all frames where their covariances are equal.
+AxisSums::EqualFrames AxisSums::equal_frames(const Matrix6d& inverse, double dof) const {
+  double second = 0.0;
+  double third = 0.0;
+  for (const Matrix6d& covariance : covariances_) {
+    const Matrix6d once = covariance * inverse;
+    const Matrix6d twice = once * once;
+    second += twice.trace();
+    third += (twice * once).trace();
+  }
+  return {dof / second, second * second * second / (dof * third * third)};
+}
+
+/// Limits of the extreme eigenvalues of a sum over frames that are worth `frames` independent ones.
+/// The law for equal covariances, with the skewness of the sum, is stretched to its scatter, as
+/// Pearson (1959) does with weighted sums of chi-squares. The lower tail is shorter than that; it
+/// has the limit by the scatter, which is wider.
+Interval AxisSums::direction_limits(const Matrix6d& inverse, std::size_t dof, double frames) const {
+  const EqualFrames equal = equal_frames(inverse, static_cast<double>(dof));
+  const double part = frames / static_cast<double>(frame_);
+  const double scatter = std::max(part * equal.by_scatter, 1.0);
+  const double skewness = std::max(part * equal.by_skewness, 1.0);
+  const double high = eigenvalue_limits(skewness, dof).high;
+  return {eigenvalue_limits(scatter, dof).low, 1.0 + std::sqrt(skewness / scatter) * (high - 1.0)};
+}
 
 /// E[e e^T] u = ratio E[P] u in coordinates in which E[P] is the identity, on its range.
 std::pair<ErrorDirection, ErrorDirection> AxisSums::directions(std::size_t dof,
@@ -188,9 +210,7 @@ std::pair<ErrorDirection, ErrorDirection> AxisSums::directions(std::size_t dof,
                                                               whitening);
   const Matrix6d inverse = inverse_sd.asDiagonal() * Matrix6d(whitening * whitening.transpose()) *
                            inverse_sd.asDiagonal();
-  const double share =
-      equal_frames(inverse, static_cast<double>(dof)) / static_cast<double>(frame_);
-  const Interval limits = eigenvalue_limits(std::max(frames * std::min(share, 1.0), 1.0), dof);
+  const Interval limits = direction_limits(inverse, dof, frames);
   const auto direction = [&](Eigen::Index i, double limit) {
     ErrorDirection found;
     found.ratio = std::max(0.0, ratios.eigenvalues()[i]);

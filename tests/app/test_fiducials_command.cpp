@@ -78,6 +78,9 @@ TEST_F(FiducialsCommand, RefusesBadInputAndLeavesNothing) {
   expect_error(command, 2, "expected --size or --tags");
   expect_error(command + " --size -1", 2, "--size");
   expect_error(command + " --size 0.1 --corner-dof 3", 2, "--corner-noise");
+  for (const std::string option : {"--size", "--corner-noise", "--bearing-error"})
+    expect_error(command + " --tags t.yaml " + option + " 1e300", 2, option + ": got 1e300");
+  expect_error(command + " --size 0.1 --corner-noise 1 --corner-dof 1e-300", 2, "--corner-dof");
   expect_error(command + " --size 0.1 --odometry missing.tum", 3, "missing.tum");
   folder_.put("corners.csv", std::string(kHeader) + "1.5,/other,7,1,1,2,1,2,2,1,2\n");
   expect_error(command + " --size 0.15", 3, "corners.csv:2: got the topic \"/other\"");

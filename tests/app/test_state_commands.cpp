@@ -105,6 +105,10 @@ TEST_F(StateCommands, WhatHasNoStateIsRefused) {
        "--save-state", (folder_ / "no/map.state").string()});
   EXPECT_EQ(nowhere.exit_code, 3);
   EXPECT_NE(nowhere.err.find("there is no folder"), std::string::npos) << nowhere.err;
+  const ProgramResult nameless = slam_to(folder_ / "run", "");
+  EXPECT_EQ(nameless.exit_code, 3);
+  EXPECT_NE(nameless.err.find("--save-state : there is no folder"), std::string::npos)
+      << nameless.err;
   EXPECT_FALSE(std::filesystem::exists(state()));
   EXPECT_FALSE(std::filesystem::exists(folder_ / "run"));
   const ProgramResult none = run_posemix({"state", toml()});

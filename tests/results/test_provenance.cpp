@@ -25,10 +25,15 @@ TEST(Provenance, CommandsAreQuotedForAShell) {
 TEST(Provenance, TheTimeCanBeSet) {
   ::setenv("SOURCE_DATE_EPOCH", "1763918442", 1);
   EXPECT_EQ(utc_now(), "2025-11-23T17:20:42Z");
-  ::setenv("SOURCE_DATE_EPOCH", "soon", 1);
-  const std::string now = utc_now();
-  EXPECT_EQ(now.size(), 20U);
-  EXPECT_GT(now, "2026-01-01T00:00:00Z");
+  ::setenv("SOURCE_DATE_EPOCH", "253402300799", 1);
+  EXPECT_EQ(utc_now(), "9999-12-31T23:59:59Z");
+  for (const char* none : {"soon", "-1", "253402300800", "9223372036854775807"}) {
+    ::setenv("SOURCE_DATE_EPOCH", none, 1);
+    const std::string now = utc_now();
+    EXPECT_EQ(now.size(), 20U) << none;
+    EXPECT_GT(now, "2026-01-01T00:00:00Z") << none;
+    EXPECT_LT(now, "9000") << none;
+  }
   ::unsetenv("SOURCE_DATE_EPOCH");
 }
 

@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <functional>
+
 #include "error_series.hpp"
 
 /// The verdict on a series of errors, and what it stands on.
@@ -77,27 +80,35 @@ TEST(ConsistencyVerdict, ConsistentSeriesAreSeldomFoundOtherwise) {
   EXPECT_LE(slow, 0.127 * kSeries);
 }
 
-/// Of a filter that converges, or that loses its object now and then.
+/// Errors as stated whose covariances differ: of a filter that converges, slowly or fast, and of
+/// one that loses its object now and then.
 TEST(ConsistencyVerdict, CovariancesMayDifferFromFrameToFrame) {
-  const auto converging = [](std::size_t k) { return 1.0 / std::sqrt(static_cast<double>(k) + 1); };
-  const auto lost = [](std::size_t k) { return k % 20 == 0 ? 5.0 : 1.0; };
-  const auto found_otherwise = [](const auto& sd_at) {
-    int count = 0;
-    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+  const std::vector<std::function<double(double)>> sds{
+      [](double k) { return 1.0 / std::sqrt(k + 1.0); },
+      [](double k) { return std::max(0.1, std::exp(-k / 13.0)); },
+      [](double k) { return std::fmod(k, 20.0) == 0.0 ? 5.0 : 1.0; }};
+  constexpr int kSeries = 300;
+  for (std::size_t kind = 0; kind < sds.size(); ++kind) {
+    int otherwise = 0;
+    int beyond = 0;
+    for (std::uint64_t seed = 0; seed < kSeries; ++seed) {
       RandomStream stream(7000 + seed);
       std::vector<EstimateWithTruth> series;
-      for (std::size_t k = 0; k < 300; ++k) {
-        const Matrix6d p = sd_at(k) * sd_at(k) * testing::body_covariance();
+      for (int k = 0; k < 600; ++k) {
+        const double sd = sds[kind](k);
+        const Matrix6d p = sd * sd * testing::body_covariance();
         const Vector6d error = p.llt().matrixL() * standard_normal(stream);
-        series.push_back({0.1 * static_cast<double>(k), PoseDensity(SE3d::exp(error), p), SE3d()});
+        series.push_back({0.1 * k, PoseDensity(SE3d::exp(error), p), SE3d()});
       }
-      count += consistency_of(series).verdict != ConsistencyVerdict::consistent;
+      const ConsistencyReport report = consistency_of(series);
+      otherwise += report.verdict != ConsistencyVerdict::consistent;
+      beyond += report.most_overconfident.ratio > report.most_overconfident.limit ||
+                report.most_cautious.ratio < report.most_cautious.limit;
     }
-    return count;
-  };
-  // 8 %, and 3 standard errors of 1.9 %.
-  EXPECT_LE(found_otherwise(converging), 0.138 * 200);
-  EXPECT_LE(found_otherwise(lost), 0.138 * 200);
+    // 8 % and 1 %, and 3 standard errors of each.
+    EXPECT_LE(otherwise, 0.127 * kSeries) << kind;
+    EXPECT_LE(beyond, 0.027 * kSeries) << kind;
+  }
 }
 
 TEST(ConsistencyVerdict, ADirectionThatIsNoAxisHasAName) {

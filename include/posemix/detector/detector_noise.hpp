@@ -87,7 +87,7 @@ NoiseAtPose noise_at(const NoiseComponent& noise, const SE3d& camera_object);
 NoiseComponent along_camera(const NoiseComponent& noise, const SE3d& camera_object);
 
 /// The angle between the directions from the object to the camera at two poses T_camera_object, in
-/// the axes of the object [rad].
+/// the axes of the object [rad]; zero where the camera is at the object itself.
 double view_angle(const SE3d& first, const SE3d& second);
 
 /// The slow part of a detector's error: a stationary Gaussian process b(t) that is added to the

@@ -73,7 +73,8 @@ double gaussian_wasserstein(const ConcentratedGaussian<G>& p, const Concentrated
 /// unit of weight is the W2^2 of the two components. An upper bound of W2 on R^n. The transport
 /// problem is solved exactly for weights rounded to 2^-40 and costs rounded to 2^-40 of the
 /// largest.
-/// @throws InvalidInput when sizes differ or the length scale [m/rad] is not positive
+/// @throws InvalidInput when sizes differ, the length scale [m/rad] is not positive, or a cost is
+/// 1e300 or more
 template <LieGroup G>
 double mixture_wasserstein(const Mixture<ConcentratedGaussian<G>>& p,
                            const Mixture<ConcentratedGaussian<G>>& q, double length_scale = 1.0) {

@@ -51,7 +51,7 @@ struct SuccessEstimate {
 /// the one is the control variate \cite owen2000safe.
 /// @param m frame of the grasp in the reference frame of the mixture
 /// @throws InvalidInput for a box with a side that is not positive or a rotation of more than pi,
-/// and for fewer than 2 replicates or no points
+/// for fewer than 2 replicates or no points, and for a frame that is not finite or beyond 1e8 m
 template <class D>
 SuccessEstimate success_probability(const Mixture<D>& mixture, const ToleranceBox& box,
                                     const SE3d& m, RandomStream& stream,

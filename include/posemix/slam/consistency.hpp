@@ -156,9 +156,9 @@ struct ConsistencyReport {
 /// Two frames, which say nothing of their correlation, count as one.
 /// The interval of the ANEES is that of a chi-square variable with effective_frames * dof degrees
 /// of freedom, fewer where the NEES scatters more than chi-square does. Limits of directions are
-/// those of the extreme eigenvalues of a Wishart matrix (Johnstone 2001; Ma 2012). Of consistent
-/// series at most 8 % get another verdict: 5 % by the whole, and 1 % by rotation, by position and
-/// by directions each.
+/// those of the extreme eigenvalues of a Wishart matrix (Johnstone 2001; Ma 2012), of fewer frames
+/// where covariances differ from frame to frame. Of consistent series at most 8 % get another
+/// verdict: 5 % by the whole, and 1 % by rotation, by position and by directions each.
 /// @throws InvalidInput for fewer than two estimates, stamps that do not increase, and a covariance
 /// that is not positive definite, naming the stamp
 ConsistencyReport consistency_of(std::span<const EstimateWithTruth> series,
