@@ -163,7 +163,7 @@ FalseMoves false_moves(const DetectorNoise& noise, const PutDownMotion& motion, 
 TEST(PutDown, IsNotSeenInRunsOfKnownFlips) {
   const DetectorNoise noise =
       SceneNoise{.gross = 0.04, .clutter = 0.02, .flips = 0.25, .mode_time_s = 3.0}.noise();
-  const FalseMoves result = false_moves(noise, {}, {.length = 30, .part = 0.25}, 1, 700);
+  const FalseMoves result = false_moves(noise, {}, {.length = 30, .part = 0.25}, 16, 700);
   EXPECT_LE(result.moves, result.detections / 10000);
 }
 

@@ -66,13 +66,8 @@ bool is_rotation(const Vector6d& moved, const Matrix6d& covariance) {
          covariance.diagonal().head<3>().maxCoeff() < kMostVariance * kUniformRotationVariance;
 }
 
-CameraRegression::CameraRegression(const CameraMoments& before, const CameraMoments& after,
-                                   const WorldChange& world)
-    : before_(before),
-      after_(after),
-      camera_(before.covariance),
-      shared_(world.after ? world.before : std::nullopt, before) {
-  if (world.after) world_after_ = world.after->covariance;
+CameraRegression::CameraRegression(const CameraMoments& before, const CameraMoments& after)
+    : before_(before), after_(after), camera_(before.covariance) {
   if (before.rig.empty()) return;
   shift_ = before.rig.factor().solve(after.rig.mean - before.rig.mean);
   if (auto l = low_rank_reduction(before.rig.covariance, after.rig.covariance)) {
@@ -84,10 +79,9 @@ CameraRegression::CameraRegression(const CameraMoments& before, const CameraMome
 
 void CameraRegression::carry(ConditionalPose& pose) const {
   if (!before_.rig.empty()) {
-    if (!carry_with_rig_and_world(pose)) carry_with_rig(pose);
+    carry_with_rig(pose);
     return;
   }
-  if (carry_with_world(pose)) return;
   // G = P_OC P_CC^-1, O <- Exp(G (m' - m)) O, P_OO += G (P_CC' - P_CC) G^T, P_OC <- G P_CC'.
   if (!pose.slow) {
     const Matrix6d g = camera_.solved_rows(pose.cross_covariance.topRows<6>());
@@ -116,63 +110,6 @@ void CameraRegression::carry(ConditionalPose& pose) const {
   move(pose, shift);
   pose.covariance = own;
   pose.cross_covariance.noalias() = g * after_.covariance;
-}
-
-/// Whether the pose has a positive definite covariance, given the camera and as seen from it.
-bool CameraRegression::is_sound(const Matrix12d& own, const Matrix12x6d& cross) const {
-  const Matrix6d pose = own.topLeftCorner<6, 6>();
-  const Matrix6d with_camera = cross.topRows<6>();
-  const Cholesky6 camera(after_.covariance);
-  if (!camera.ok()) return false;
-  const Matrix6d whitened = camera.whitened_rows(with_camera);
-  const Matrix6d given = pose - whitened * whitened.transpose();
-  const Matrix6d seen = pose + after_.covariance - with_camera - with_camera.transpose();
-  return Cholesky6(given).ok() && Cholesky6(seen).ok();
-}
-
-/// O <- Exp(G (m' - m)) O, P_OC <- G (P_CC' - W') + W',
-/// P_OO += G (P_CC' - W' - P_CC + W) G^T + W' - W, so that the covariance of e stays.
-bool CameraRegression::carry_with_world(ConditionalPose& pose) const {
-  const auto g = shared_.regression(pose);
-  if (!g) return false;
-  const Vector12d shift = *g * (after_.mean - before_.mean);
-  const Matrix6d world_change = *world_after_ - shared_.covariance();
-  const Matrix6d local_change = after_.covariance - before_.covariance - world_change;
-  Matrix12d own = pose.covariance + *g * local_change * g->transpose();
-  own.topLeftCorner<6, 6>() += world_change;
-  symmetrize(own);
-  Matrix12x6d cross = *g * (after_.covariance - *world_after_);
-  cross.topRows<6>() += *world_after_;
-  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>()) || !is_sound(own, cross))
-    return false;
-  move(pose, shift);
-  pose.covariance = own;
-  pose.cross_covariance = cross;
-  return true;
-}
-
-bool CameraRegression::carry_with_rig_and_world(ConditionalPose& pose) const {
-  const auto g = shared_.regression_on_rig(pose);
-  if (!g) return false;
-  const Vector12d shift = *g * (after_.rig.mean - before_.rig.mean);
-  const Matrix6d world_change = *world_after_ - shared_.covariance();
-  MatrixXd local_change = after_.rig.covariance - before_.rig.covariance;
-  local_change.topLeftCorner<6, 6>() -= world_change;
-  Matrix12d own = pose.covariance + *g * local_change * g->transpose();
-  own.topLeftCorner<6, 6>() += world_change;
-  symmetrize(own);
-  MatrixXd local = after_.rig.covariance;
-  local.topLeftCorner<6, 6>() -= *world_after_;
-  MatrixXd cross = *g * local;
-  cross.topLeftCorner<6, 6>() += *world_after_;
-  if (!is_rotation(shift.head<6>(), own.topLeftCorner<6, 6>()) ||
-      !is_sound(own, cross.leftCols<6>()))
-    return false;
-  move(pose, shift);
-  pose.covariance = own;
-  pose.cross_covariance = cross.leftCols<6>();
-  pose.extrinsics = cross.rightCols(cross.cols() - 6);
-  return true;
 }
 
 void CameraRegression::loosen(ConditionalPose& pose) const {

@@ -165,6 +165,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   normalise();
   choose_first();
   reduce();
+  take_out_world_error();
   share_next_id();
   reset_reports();
   const auto leads = leading_id(j);

@@ -96,6 +96,8 @@ class GlobalHypotheses {
   void choose_first();
   /// Mixes the pairs that lose least, as long as there are too many states or little is lost.
   void reduce();
+  /// What no detection tells of is taken out of all states now and then, eq. (31).
+  void take_out_world_error();
   double loss_of_mixing(const Weighted& a, const Weighted& b) const;
   /// Probability of the hypothesis with the id, over all states.
   double probability_of(std::size_t j, std::uint64_t id) const;

@@ -36,9 +36,7 @@ Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::camera() const {
   std::vector<Component<ConcentratedGaussian<SE3d>>> components;
   components.reserve(list_.size());
   for (const Weighted& one : list_) {
-    components.push_back({one.log.weight, ConcentratedGaussian<SE3d>::trusted(
-                                              one.state.joint.pose(kCamera),
-                                              one.state.joint.covariance(kCamera, kCamera))});
+    components.push_back({one.log.weight, one.state.reported_camera()});
   }
   return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
 }

@@ -6,7 +6,6 @@
 
 #include "base/cholesky6.hpp"
 #include "base/dense_kernels.hpp"
-#include "shared_world.hpp"
 
 namespace posemix::internal {
 
@@ -15,8 +14,6 @@ using Eigen::MatrixXd;
 
 namespace {
 
-/// Number of poses, the camera among them, that world_error() is from.
-constexpr std::size_t kMostAnchors = 4;
 /// Farther from the origin a rotation moves the camera by so much that differences of covariances
 /// lose their digits [m].
 constexpr double kFarthest_m = 100.0;
@@ -71,73 +68,31 @@ MatrixXd JointGaussian::rows_of(std::size_t index) {
   return covariance_.middleRows(first(index), dof(index));
 }
 
-/// The common shift of few is known as well as that of all, but for how well they are known to each
-/// other.
-JointGaussian::Anchors JointGaussian::anchors() const {
-  Anchors anchors{};
-  for (std::size_t i = 0; i < size() && anchors.poses < kMostAnchors; ++i) {
-    const Block& block = blocks_[i];
-    if (block.at < 0 || block.slow || block.is_motion || is_extrinsic(i)) continue;
-    anchors.at.push_back(block.at);
-    ++anchors.poses;
-  }
-  for (std::size_t e = 0; e < extrinsics_; ++e) anchors.at.push_back(first(extrinsic_block(e)));
-  return anchors;
-}
-
-std::optional<WorldError> JointGaussian::world_error() const {
-  if (pose(kCamera).translation().norm() > kFarthest_m) return std::nullopt;
-  const auto [at, poses] = anchors();
-  MatrixXd b(offset(at.size()), offset(at.size()));
-  for (std::size_t k = 0; k < at.size(); ++k) {
-    for (std::size_t i = 0; i < at.size(); ++i)
-      block(b, i, k) = covariance_.block<6, 6>(at[i], at[k]);
-  }
+std::optional<Matrix6d> JointGaussian::world_error(const std::vector<Matrix6d>& moved) const {
+  if (active() < size() || pose(kCamera).translation().norm() > kFarthest_m) return std::nullopt;
+  MatrixXd b = covariance_;
   if (!factor_in_place(b)) return std::nullopt;
-  MatrixXd weights = MatrixXd::Zero(kPoseDof, b.rows());
-  for (std::size_t k = 0; k < poses; ++k) columns(weights, k).setIdentity();  // N^T
-  solve_from_right(b, weights);                                               // N^T B^-1
-  Matrix6d information = Matrix6d::Zero();
-  for (std::size_t k = 0; k < poses; ++k) information += columns(weights, k);
-  symmetrize(information);
-  const Cholesky6 of_world(information);
-  if (!of_world.ok()) return std::nullopt;
-  Matrix6d covariance = of_world.solved_rows(Matrix6d(Matrix6d::Identity()));
+  MatrixXd whitened = MatrixXd::Zero(kPoseDof, b.rows());  // N^T L^-T
+  for (std::size_t i = 0; i < size(); ++i) whitened.middleCols<6>(first(i)) = moved[i].transpose();
+  solve_transposed_from_right(b, whitened);
+  const Cholesky6 information(Matrix6d(whitened * whitened.transpose()));
+  if (!information.ok()) return std::nullopt;
+  Matrix6d covariance = information.solved_rows(Matrix6d(Matrix6d::Identity()));
   symmetrize(covariance);
-  return WorldError{covariance, covariance * weights};
+  return covariance;
 }
 
-MatrixXd JointGaussian::covariance_with(const WorldError& world) const {
-  MatrixXd result = MatrixXd::Zero(kPoseDof, covariance_.cols());
-  Index k = 0;
-  for (const Index at : anchors().at) {
-    result.noalias() += world.weights.middleCols<6>(k) * covariance_.middleRows<6>(at);
-    k += kPoseDof;
-  }
-  return result;
+void JointGaussian::take_out(const Matrix6d& d, const std::vector<Matrix6d>& moved) {
+  MatrixXd n = MatrixXd::Zero(covariance_.rows(), kPoseDof);
+  for (std::size_t i = 0; i < size(); ++i) n.middleRows<6>(first(i)) = moved[i];
+  subtract_symmetric_product(covariance_, MatrixXd(n * d), n);
 }
 
-/// B_j. = P_OC P_CC^-1 B_C, or with the error of the world that all poses share.
+/// B_j. = P_OC P_CC^-1 B_C.
 MatrixXd JointGaussian::regressed_rows(const ConditionalPose& object) const {
   const Index n = object.slow ? 12 : 6;
-  const bool has_rig = extrinsics_ > 0;
-  const std::optional<WorldError> world = world_error();
-  const SharedWorld shared(world, camera_moments());
-  std::optional<MatrixXd> by;
-  if (has_rig) {
-    by = shared.regression_on_rig(object);
-  } else if (const auto on_camera = shared.regression(object)) {
-    by = MatrixXd(*on_camera);
-  }
-  if (by) {
-    const MatrixXd with_world = covariance_with(*world);
-    MatrixXd local = covariance_.topRows(rig_dof());
-    local.topRows<kPoseDof>() -= with_world;
-    MatrixXd result = by->topRows(n) * local;
-    result.topRows<kPoseDof>() += with_world;
-    return result;
-  }
-  if (has_rig) return regression_on_rig(object, rig()).topRows(n) * covariance_.topRows(rig_dof());
+  if (extrinsics_ > 0)
+    return regression_on_rig(object, rig()).topRows(n) * covariance_.topRows(rig_dof());
   return regression_on_camera(object.cross_covariance, covariance(kCamera, kCamera)).topRows(n) *
          rows(covariance_, kCamera);
 }

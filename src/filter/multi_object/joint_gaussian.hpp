@@ -73,14 +73,6 @@ Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matr
 /// The same on the camera and the extrinsics, 12 rows.
 Eigen::MatrixXd regression_on_rig(const ConditionalPose& object, const Eigen::MatrixXd& rig);
 
-/// The error of the world, the shift that all poses share, as the best estimate from some of them
-/// has it: of covariance W = (N^T B^-1 N)^-1, where N has an identity for every pose, and W N^T
-/// B^-1 times their errors. No detection tells of such a shift.
-struct WorldError {
-  Matrix6d covariance;
-  Eigen::Matrix<double, 6, Eigen::Dynamic> weights;
-};
-
 /// Six columns of a covariance.
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
@@ -135,6 +127,10 @@ class JointGaussian {
   /// Index of the block of an extrinsic.
   static constexpr std::size_t extrinsic_block(std::size_t extrinsic) { return 1 + extrinsic; }
   bool is_extrinsic(std::size_t index) const { return index > 0 && index <= extrinsics_; }
+  /// Whether the block is a pose in the world.
+  bool is_in_world(std::size_t index) const {
+    return is_pose(index) && !blocks_[index].is_motion && !is_extrinsic(index);
+  }
   /// T_world_camera of the camera that made an observation.
   SE3d seeing_camera(const ObservationSource& source) const;
   /// The error of that camera is this, 6 rows, times [xi_C; xi_E ...].
@@ -145,9 +141,16 @@ class JointGaussian {
   CameraMoments camera_moments(const JointGaussian& at) const;
   CameraMoments camera_moments() const { return camera_moments(*this); }
 
-  /// The error of the world; none where the covariance is numerically not positive definite, and
-  /// for a camera far from the origin.
-  std::optional<WorldError> world_error() const;
+  // --- the error of the world, a shift that moves the block at every index by a factor `moved`
+
+  /// Eq. (31): its covariance W = (N^T B^-1 N)^-1, where N has these factors. None with passive
+  /// blocks, where the covariance is numerically not positive definite, and for a camera far from
+  /// the origin.
+  std::optional<Matrix6d> world_error(const std::vector<Matrix6d>& moved) const;
+  /// B <- B - N D N^T, with all blocks active.
+  void take_out(const Matrix6d& d, const std::vector<Matrix6d>& moved);
+  /// Adds the covariance of an independent shift to all poses in the world.
+  void add_world_error(const Matrix6d& shift);
 
   /// Appends an object that depends on the rest through the camera alone. Returns its index.
   std::size_t append(const ConditionalPose& object);
@@ -239,12 +242,6 @@ class JointGaussian {
     std::shared_ptr<const SixColumns> columns;  ///< U; null for a shift of the world
     Vector6d mean = Vector6d::Zero();           ///< since the base was made
   };
-  /// Of the camera and the first few poses, which a shift of the world moves, and behind them of
-  /// the extrinsics, which it does not.
-  struct Anchors {
-    std::vector<Eigen::Index> at;
-    std::size_t poses;
-  };
   /// Of active blocks, for rebase_like().
   struct Coordinates {
     std::vector<Eigen::Index> kept;          ///< of what stays active
@@ -256,10 +253,8 @@ class JointGaussian {
   Eigen::Index first(std::size_t index) const { return blocks_[index].at; }
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
   Eigen::Index rig_dof() const { return offset(1 + extrinsics_); }
-  /// First coordinates of the blocks that world_error() is from.
-  Anchors anchors() const;
-  /// Covariance of the error of the world with every coordinate, 6 rows.
-  Eigen::MatrixXd covariance_with(const WorldError& world) const;
+  /// First coordinates of the active poses in the world, and of the carrier of its shifts.
+  std::vector<Eigen::Index> world_coordinates() const;
   /// update() in the columns of what the detection sees, for an object of Own coordinates; none
   /// where the covariance is nearly singular.
   template <int Own>

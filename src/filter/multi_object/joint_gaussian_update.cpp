@@ -18,8 +18,9 @@ using Eigen::VectorXd;
 /// Alternatives of less weight do not change the rows of the leading hypothesis beyond rounding.
 constexpr double kNegligibleWeight = 1e-7;
 
-/// Up to so many other poses eq. (8) has the regression on all of them.
-constexpr std::size_t kMostExact = 13;
+/// Up to so many other poses eq. (8) has the regression on all of them: as many as there are before
+/// any becomes passive.
+constexpr std::size_t kMostExact = 47;
 
 /// Number of blocks, of those that are neither camera nor motion, that the regression has beyond.
 constexpr std::size_t kNeighbours = 16;
@@ -292,22 +293,31 @@ void JointGaussian::project_near(std::size_t index, const Explanation& leading,
   b.triangularView<Eigen::StrictlyUpper>() = b.transpose();
 }
 
+std::vector<Index> JointGaussian::world_coordinates() const {
+  std::vector<Index> coordinates;
+  for (std::size_t i = 0; i < size(); ++i)
+    if (is_in_world(i) && is_active(i)) coordinates.push_back(first(i));
+  for (const Carrier& carrier : carriers_)
+    if (!carrier.columns) coordinates.push_back(carrier.at);
+  return coordinates;
+}
+
+void JointGaussian::add_world_error(const Matrix6d& shift) {
+  const std::vector<Index> poses = world_coordinates();
+  for (const Index i : poses) {
+    for (const Index k : poses) covariance_.block<6, 6>(i, k) += shift;
+  }
+}
+
 /// Poses get the shift of the world, with the carrier of shifts.
 void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back) {
   const SE3d shift = SE3d::exp(-back * change.mean);
   const Matrix6d added = back * change.covariance * back.transpose();
-  std::vector<Index> poses;
-  for (std::size_t i = 0; i < size(); ++i) {
-    Block& block = blocks_[i];
-    if (block.slow || is_extrinsic(i)) continue;
-    block.pose = shift * block.pose;
-    if (block.at >= 0) poses.push_back(block.at);
-  }
-  for (Carrier& carrier : carriers_) {
-    if (carrier.columns) continue;
-    carrier.mean -= back * change.mean;
-    poses.push_back(carrier.at);
-  }
+  for (std::size_t i = 0; i < size(); ++i)
+    if (is_in_world(i)) blocks_[i].pose = shift * blocks_[i].pose;
+  for (Carrier& carrier : carriers_)
+    if (!carrier.columns) carrier.mean -= back * change.mean;
+  const std::vector<Index> poses = world_coordinates();
   const SixColumns with_error = change.error_covariance * back.transpose();
   for (Index i = 0; i < covariance_.rows(); i += kPoseDof) {
     const Matrix6d own = with_error.middleRows<6>(i);

@@ -115,6 +115,7 @@ JointState MultiObjectFilter::joint_state(
     if (all.blocks_of(index) > 1) slow.push_back(index + 1);
   }
   order.insert(order.end(), slow.begin(), slow.end());
+  all.add_world_error(current().world_error);
   return marginal_of(all, order);
 }
 

@@ -156,10 +156,7 @@ Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
   return sensor(object).noise_scale;
 }
 
-ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
-  return ConcentratedGaussian<SE3d>::trusted(current().joint.pose(kCamera),
-                                             current().joint.covariance(kCamera, kCamera));
-}
+ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const { return current().reported_camera(); }
 
 Mixture<ConcentratedGaussian<SE3d>> MultiObjectFilter::camera_mixture() const {
   return hypotheses_of_all().camera();

@@ -93,7 +93,8 @@ MultiObjectState::MultiObjectState(const ConcentratedGaussian<SE3d>& camera,
       explained(chi_square_quantile(given.explained_probability, 6, "explained_probability")),
       merge_bounds{given.merge_rotation_rad, given.merge_translation_m,
                    chi_square_quantile(given.merge_probability, 6, "merge_probability")},
-      joint(camera) {
+      joint(ConcentratedGaussian<SE3d>(camera.mean(), kLeftOfWorld * camera.covariance())),
+      world_error((1.0 - kLeftOfWorld) * camera.covariance()) {
   check_settings(settings);
   for (const ObjectSensor& sensor : sensors) add_object(sensor);
 }
@@ -114,6 +115,7 @@ void MultiObjectState::add_object(const ObjectSensor& sensor,
     object.belief.begin_unseen(object.put_down->unseen());
   }
   if (!prior) return;
+  take_in_world_error();
   has_known_objects = true;
   ConditionalPose pose{prior->world.mean(), {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
   pose.covariance.topLeftCorner<6, 6>() = prior->world.covariance();

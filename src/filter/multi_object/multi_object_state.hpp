@@ -34,6 +34,10 @@ struct ActiveLimits {
   std::size_t kept = 8;    ///< so many blocks of objects stay active then
 };
 
+/// So much of the error of the world that is kept beside the joint Gaussian is left in it, which
+/// is positive definite by that.
+inline constexpr double kLeftOfWorld = 0.01;
+
 /// An observation of one object as its hypotheses see it.
 struct ObservedDetection {
   WeighedObservation observation;
@@ -82,9 +86,18 @@ struct MultiObjectState {
                   const std::optional<PutDownMotion>& put_down = {});
   /// Object `j` becomes one that was never detected.
   void forget(std::size_t j);
+  /// Camera and objects get the error of the world, which is zero then: before something tells of
+  /// it.
+  void take_in_world_error();
+  /// W of eq. (31); none where something tells of the error of the world, or may have.
+  std::optional<Matrix6d> free_world_error() const;
+  /// The part D of the error of the world leaves camera and objects.
+  void take_out_world_error(const Matrix6d& d);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
   void advance(double dt, const std::optional<SE3d>& camera_before);
 
+  /// The camera as it is reported: with the error of the world, as all that follows.
+  ConcentratedGaussian<SE3d> reported_camera() const;
   /// A hypothesis of an object as it is reported: with the error that all detections have in common
   /// and any angle about an axis of symmetry.
   DetectionState reported(const TrackedObject& object, std::size_t h) const;
@@ -113,6 +126,10 @@ struct MultiObjectState {
   MergeBounds merge_bounds;
   JointGaussian joint;
   std::vector<TrackedObject> objects;
+  /// Of camera and objects, a shift of the world of which no detection tells: its covariance
+  /// Omega, independent of `joint` and `objects`, which are without it ("The error of the world").
+  /// The same in all global hypotheses.
+  Matrix6d world_error;
   double now_s = 0.0;
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
   bool has_known_objects = false;     ///< whether any object was added with a prior
@@ -149,6 +166,8 @@ struct MultiObjectState {
   void mix(const MultiObjectState& other, const LogTotals& own, const LogTotals& others);
 
  private:
+  /// N of eq. (31): how a shift of the world moves every block of the joint Gaussian.
+  std::vector<Matrix6d> moved_by_world() const;
   /// Erases a pose of the joint Gaussian.
   void erase(std::size_t pose_index);
   /// A camera whose rotation is less certain than a uniform one becomes independent of all else.
@@ -167,7 +186,6 @@ struct MultiObjectState {
                        const ObservationComponent& seen, const NoiseComponent& mode) const;
   void learn(TrackedObject& object, const DetectionUpdate& leading,
              const WeighedObservation& observation);
-  std::optional<WorldError> world_of_others(const TrackedObject& object) const;
   void move_poses(TrackedObject& object, const ObservedDetection& observed, bool damped,
                   double log_evidence, std::vector<Alternative>& births);
   void shift_back(const TrackedObject& detected, bool damped, const CameraChange& change,

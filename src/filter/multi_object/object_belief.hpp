@@ -135,6 +135,11 @@ class ObjectBelief {
   /// The directions in which the symmetries leave the pose free become independent of everything,
   /// with a small variance: the pose that stands for all equivalent ones is chosen there.
   void fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries);
+  /// Adds the covariance of an independent shift of the world to all alternatives.
+  void add_world_error(const Matrix6d& shift);
+  /// Takes the part D of the error of the world, eq. (31), out of all alternatives, of a camera
+  /// with these moments before.
+  void take_out_world_error(const Matrix6d& d, const CameraMoments& camera);
   /// Alternatives become independent of the camera.
   void release_camera();
   /// Adds P_OC times `factor` to P_OC of every alternative; with extrinsics, [P_OC P_OE ...] times

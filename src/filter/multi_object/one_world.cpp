@@ -84,7 +84,9 @@ bool are_one_but_for_the_world(const MultiObjectState& a, const MultiObjectState
 }
 
 bool are_at_one_place(const MultiObjectState& a, const MultiObjectState& b) {
-  return are_alike(a, kCamera, b, kCamera);
+  return are_within(a.merge_bounds,
+                    0.5 * (a.reported_camera().covariance() + b.reported_camera().covariance()),
+                    a.joint.pose(kCamera), b.joint.pose(kCamera));
 }
 
 }  // namespace posemix::internal

@@ -199,9 +199,9 @@ struct StateFields<MultiObjectState> {
     return {ConcentratedGaussian<SE3d>(SE3d(), Matrix6d::Identity()), {}, {}};
   }
   static auto tie(auto& x) {
-    auto& [settings, explained, merge_bounds, joint, objects, now_s, motion, has_known_objects,
-           has_given_camera, next_id, update_count, limits] = x;
-    return std::tie(settings, explained, merge_bounds, joint, objects, now_s, motion,
+    auto& [settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
+           has_known_objects, has_given_camera, next_id, update_count, limits] = x;
+    return std::tie(settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
                     has_known_objects, has_given_camera, next_id, update_count, limits);
   }
   static void validate(const MultiObjectState& x) {
@@ -231,6 +231,7 @@ struct StateFields<MultiObjectState> {
     }
     for (const bool one : taken) require_state(one, "a pose for every block");
     require_state(std::isfinite(x.now_s), "a time that is finite");
+    require_covariance(x.world_error, kPoseDof);
   }
 };
 
@@ -264,6 +265,8 @@ struct StateFields<GlobalHypotheses> {
                         state.joint.extrinsics() == first.joint.extrinsics() &&
                         state.motion.has_value() == first.motion.has_value(),
                     "global hypotheses of the same objects and cameras");
+      require_state(state.world_error == first.world_error,
+                    "global hypotheses with the same error of the world");
       for (std::size_t j = 0; j < state.objects.size(); ++j)
         require_state(
             state.objects[j].detectors.size() == first.objects[j].detectors.size() &&

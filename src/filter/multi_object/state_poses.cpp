@@ -1,32 +1,19 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <algorithm>
-
 #include "camera_regression.hpp"
 #include "multi_object_state.hpp"
 
 /// How all poses move by a detection.
 namespace posemix::internal {
 
-/// The error of the world, where hypotheses of other objects follow the camera.
-std::optional<WorldError> MultiObjectState::world_of_others(const TrackedObject& object) const {
-  const bool any = std::any_of(objects.begin(), objects.end(), [&](const TrackedObject& other) {
-    return &other != &object && other.belief.size() > 1;
-  });
-  // A camera whose pose is given, and an object that is known in the world, do tell of its error.
-  if (!any || has_given_camera || has_known_objects) return std::nullopt;
-  return joint.world_error();
-}
-
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
-/// the camera by eq. (9) or (31).
+/// the camera by eq. (9).
 void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection& observed,
                                   bool damped, double log_evidence,
                                   std::vector<Alternative>& births) {
   const std::vector<DetectionUpdate>& updates = observed.updates;
   ObjectBelief& belief = object.belief;
   const CameraMoments before = joint.camera_moments();
-  const std::optional<WorldError> world = world_of_others(object);
   const CameraAlternative alternative =
       belief.camera_alternative(updates, births, log_evidence, before);
   const CameraChange change =
@@ -36,7 +23,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   after.mean = change.mean;
   after.rig.mean = change.rig_mean;
   belief.follow_camera(updates, after);
-  const CameraRegression step(before, after, {world, world ? joint.world_error() : std::nullopt});
+  const CameraRegression step(before, after);
   for (TrackedObject& other : objects) {
     if (&other != &object) other.belief.follow_camera(step);
   }

@@ -23,8 +23,9 @@ void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
 /// Rotation about the camera and its position are independent then: only the position's covariance
 /// is that of before.
 void MultiObjectState::release_lost_camera() {
-  const Matrix6d before = joint.covariance(kCamera, kCamera);
+  const Matrix6d before = joint.covariance(kCamera, kCamera) + world_error;
   if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotationVariance) return;
+  take_in_world_error();
   const SE3d position(SO3d(), joint.pose(kCamera).translation());
   Matrix6d there = Matrix6d::Zero();
   there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotationVariance);
@@ -67,6 +68,7 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
 
 /// The prediction with F = 0: nothing of the camera before is a part of the one after.
 void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt) {
+  take_in_world_error();
   const SE3d before = joint.pose(kCamera);
   joint.set_pose(kCamera, world_camera.mean());
   joint.release_camera(world_camera.covariance());

@@ -31,8 +31,17 @@ Matrix6d MultiObjectState::unseen_covariance(const TrackedObject& object, const 
   return pose.adjoint_congruence(local);
 }
 
+ConcentratedGaussian<SE3d> MultiObjectState::reported_camera() const {
+  return ConcentratedGaussian<SE3d>::trusted(joint.pose(kCamera),
+                                             joint.covariance(kCamera, kCamera) + world_error);
+}
+
 DetectionState MultiObjectState::reported(const TrackedObject& object, std::size_t h) const {
   DetectionState state = object.belief.state(joint, h);
+  for (const Eigen::Index row : {kCameraRow, kObjectRow}) {
+    for (const Eigen::Index column : {kCameraRow, kObjectRow})
+      state.covariance.block<6, 6>(row, column) += world_error;
+  }
   state.covariance.block<6, 6>(kObjectRow, kObjectRow) += unseen_covariance(object, state.object);
   return state;
 }
@@ -49,6 +58,12 @@ ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
     for (Eigen::Index k = 0; k < kPoseDof; ++k) coordinates.push_back(offset(i) + k);
   }
   Eigen::MatrixXd covariance = all(coordinates, coordinates);
+  for (std::size_t i = 0; i < joint.size(); ++i) {
+    for (std::size_t k = 0; k < joint.size(); ++k) {
+      if (joint.is_in_world(i) && joint.is_in_world(k))
+        block(covariance, pose_of[i], pose_of[k]) += world_error;
+    }
+  }
   for (const TrackedObject& object : objects) {
     const auto index = object.belief.pose_index();
     if (!index) continue;
@@ -81,10 +96,10 @@ std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates(
       continue;
     }
     const SE3d& pose = joint.pose(*index);
-    const auto& [own, cross] = moments[*index];
+    const Matrix6d cross = moments[*index].cross_covariance + world_error;
     Eigen::MatrixXd covariance(12, 12);
-    covariance << moments[kCamera].covariance, cross.transpose(), cross,
-        own + unseen_covariance(object, pose);
+    covariance << moments[kCamera].covariance + world_error, cross.transpose(), cross,
+        moments[*index].covariance + world_error + unseen_covariance(object, pose);
     const auto pair = ConcentratedGaussian<PoseStackd>::trusted(
         PoseStackd({joint.pose(kCamera), pose}), std::move(covariance));
     list.emplace_back(LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)});
