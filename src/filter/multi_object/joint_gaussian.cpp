@@ -68,18 +68,14 @@ MatrixXd JointGaussian::rows_of(std::size_t index) {
   return covariance_.middleRows(first(index), dof(index));
 }
 
-std::optional<Matrix6d> JointGaussian::world_error(const std::vector<Matrix6d>& moved) const {
+std::optional<Matrix6d> JointGaussian::world_information(const std::vector<Matrix6d>& moved) const {
   if (active() < size() || pose(kCamera).translation().norm() > kFarthest_m) return std::nullopt;
   MatrixXd b = covariance_;
   if (!factor_in_place(b)) return std::nullopt;
   MatrixXd whitened = MatrixXd::Zero(kPoseDof, b.rows());  // N^T L^-T
   for (std::size_t i = 0; i < size(); ++i) whitened.middleCols<6>(first(i)) = moved[i].transpose();
   solve_transposed_from_right(b, whitened);
-  const Cholesky6 information(Matrix6d(whitened * whitened.transpose()));
-  if (!information.ok()) return std::nullopt;
-  Matrix6d covariance = information.solved_rows(Matrix6d(Matrix6d::Identity()));
-  symmetrize(covariance);
-  return covariance;
+  return Matrix6d(whitened * whitened.transpose());
 }
 
 void JointGaussian::take_out(const Matrix6d& d, const std::vector<Matrix6d>& moved) {

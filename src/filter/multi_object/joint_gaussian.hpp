@@ -143,10 +143,10 @@ class JointGaussian {
 
   // --- the error of the world, a shift that moves the block at every index by a factor `moved`
 
-  /// Eq. (31): its covariance W = (N^T B^-1 N)^-1, where N has these factors. None with passive
+  /// Eq. (31): its information W^-1 = N^T B^-1 N, where N has these factors. None with passive
   /// blocks, where the covariance is numerically not positive definite, and for a camera far from
   /// the origin.
-  std::optional<Matrix6d> world_error(const std::vector<Matrix6d>& moved) const;
+  std::optional<Matrix6d> world_information(const std::vector<Matrix6d>& moved) const;
   /// B <- B - N D N^T, with all blocks active.
   void take_out(const Matrix6d& d, const std::vector<Matrix6d>& moved);
   /// Adds the covariance of an independent shift to all poses in the world.

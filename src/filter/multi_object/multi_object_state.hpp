@@ -89,8 +89,8 @@ struct MultiObjectState {
   /// Camera and objects get the error of the world, which is zero then: before something tells of
   /// it.
   void take_in_world_error();
-  /// W of eq. (31); none where something tells of the error of the world, or may have.
-  std::optional<Matrix6d> free_world_error() const;
+  /// W^-1 of eq. (31); none where something tells of the error of the world, or may have.
+  std::optional<Matrix6d> world_information() const;
   /// The part D of the error of the world leaves camera and objects.
   void take_out_world_error(const Matrix6d& d);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
 #include "base/cholesky6.hpp"
 #include "global_hypotheses.hpp"
 
@@ -63,12 +61,12 @@ std::vector<Matrix6d> MultiObjectState::moved_by_world() const {
   return moved;
 }
 
-std::optional<Matrix6d> MultiObjectState::free_world_error() const {
+std::optional<Matrix6d> MultiObjectState::world_information() const {
   const auto seen = std::count_if(objects.begin(), objects.end(), [](const TrackedObject& one) {
     return one.belief.leading().has_value();
   });
   if (seen < 2 || has_given_camera || has_known_objects) return std::nullopt;
-  return joint.world_error(moved_by_world());
+  return joint.world_information(moved_by_world());
 }
 
 void MultiObjectState::take_out_world_error(const Matrix6d& d) {
@@ -84,25 +82,31 @@ void MultiObjectState::take_in_world_error() {
   world_error.setZero();
 }
 
-/// D = 0.9 W (W + 0.01 Omega)^-1 W, and less where another state knows the world better.
+/// D = 0.9 (sum_k W_k^-1 + W_k^-1 (0.01 Omega) W_k^-1)^-1, which leaves every state a part of W_k
+/// that is not small beside 0.01 Omega.
 void GlobalHypotheses::take_out_world_error() {
   const MultiObjectState& first = list_.front().state;
   if (first.update_count % std::max(kDetectionsBetween, first.joint.size()) != 0) return;
-  const std::optional<Matrix6d> w = first.free_world_error();
-  if (!w) return;
-  const Matrix6d parts = *w + kLeftOfWorld * first.world_error;
-  Matrix6d d = kTakenOut * Cholesky6(parts).solved_rows(*w) * *w;
-  symmetrize(d);
-  double most = 1.0;
-  for (std::size_t k = 1; k < list_.size(); ++k) {
-    const std::optional<Matrix6d> other = list_[k].state.free_world_error();
-    if (!other || !Cholesky6(d).ok()) return;
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratios(*other, d,
-                                                                    Eigen::EigenvaluesOnly);
-    most = std::min(most, kTakenOut * ratios.eigenvalues().minCoeff());
+  Matrix6d sum = Matrix6d::Zero();
+  for (const Weighted& one : list_) {
+    const std::optional<Matrix6d> information = one.state.world_information();
+    if (!information) return;
+    sum += *information + kLeftOfWorld * *information * one.state.world_error * *information;
   }
-  if (!(most > 0.0) || !d.allFinite()) return;
-  for (Weighted& one : list_) one.state.take_out_world_error(most * d);
+  symmetrize(sum);
+  const Cholesky6 factor(sum);
+  if (!factor.ok()) return;
+  Matrix6d d = kTakenOut * factor.solved_rows(Matrix6d(Matrix6d::Identity()));
+  symmetrize(d);
+  for (Weighted& one : list_) one.state.take_out_world_error(d);
+}
+
+/// A state whose camera is lost has taken it in, and there is one for all.
+void GlobalHypotheses::share_world_error() {
+  const auto has_none = [](const Weighted& one) { return one.state.world_error.isZero(0.0); };
+  if (std::none_of(list_.begin(), list_.end(), has_none)) return;
+  for (Weighted& one : list_)
+    if (!has_none(one)) one.state.take_in_world_error();
 }
 
 }  // namespace posemix::internal
