@@ -113,11 +113,13 @@ TEST_F(Ties, AForgottenObjectIsForgottenInAll) {
 // Wild detections split the state; afterwards all that is seen is the same in both worlds. Those
 // were never decided between, with probabilities of 1e-66, and a frame took 2.9 times as long.
 TEST(GlobalHypotheses, ThatDifferByAShiftOfTheWorldAloneAreOne) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  int late = 0;
+  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     OrbitScene scene(seed, 2, 0.05, 1e-3);
     MultiObjectFilter filter = filter_of(scene, plain_settings());
     std::size_t most = 0;
-    for (int frame = 0; frame < 800; ++frame) {
+    for (int frame = 0; frame < 500; ++frame) {
+      if (frame == 400 && filter.camera_mixture().size() > 1) ++late;
       if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
       for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.0, 0.23));
       most = std::max(most, filter.camera_mixture().size());
@@ -129,6 +131,7 @@ TEST(GlobalHypotheses, ThatDifferByAShiftOfTheWorldAloneAreOne) {
       EXPECT_LT(testing::nees_of(seen, filter.relative(j, *filter.leading(j))), 30.0) << seed;
     }
   }
+  EXPECT_LE(late, 2);  // one in twenty, where what is seen is not yet the same
 }
 
 /// A camera that is known worse than the detector sees, for which flips by 30 degrees, which its

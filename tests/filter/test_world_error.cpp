@@ -2,13 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
-#include <cmath>
-#include <numbers>
+#include <algorithm>
 
 #include "joint_gaussian_scene.hpp"
-#include "moving_object_scene.hpp"
 #include "multi_object_scene.hpp"
 #include "posemix/testing/expect.hpp"
+#include "world_error_scene.hpp"
 
 /// The error of the world, eq. (31) of docs/many-objects.md: a shift of camera and objects of which
 /// no detection tells. It is kept beside them, and is in all that is reported.
@@ -68,16 +67,10 @@ TEST(WorldError, LeavesTheRestAsItIs) {
   EXPECT_LT((joint.covariance() - before).norm(), 1e-12 * before.norm());
 }
 
-/// Of the camera at the start.
-const Matrix6d& start_covariance() {
-  static const Matrix6d covariance = testing::isotropic(0.5, 0.005);
-  return covariance;
-}
-
 /// Three objects, two of which are seen flipped at times, after some frames.
 MultiObjectFilter filter_with_modes(testing::OrbitScene& scene, int frames = 30) {
   MultiObjectFilter filter(
-      ConcentratedGaussian<SE3d>(scene.camera, start_covariance()),
+      ConcentratedGaussian<SE3d>(scene.camera, testing::start_covariance()),
       std::vector<ObjectSensor>(scene.truth.size(), ObjectSensor{testing::ray_noise()}),
       testing::plain_settings());
   for (int frame = 0; frame < frames; ++frame) {
@@ -93,28 +86,24 @@ void expect_same(const Eigen::MatrixXd& actual, const Eigen::MatrixXd& expected,
   EXPECT_LT(testing::relative_difference(actual, expected), tolerance);
 }
 
-bool is_at_least(const Matrix6d& covariance, const Matrix6d& least) {
-  return Eigen::SelfAdjointEigenSolver<Matrix6d>(covariance - least).eigenvalues().minCoeff() > 0.0;
-}
-
 TEST(WorldError, IsInEverythingThatIsReported) {
   testing::OrbitScene scene(3, 3, 0.05, 6e-4);
   const MultiObjectFilter filter = filter_with_modes(scene);
   // The part that is kept beside the joint Gaussian.
-  const Matrix6d least = 0.98 * start_covariance();
+  const Matrix6d least = 0.98 * testing::start_covariance();
   const Matrix6d camera = filter.camera().covariance();
-  EXPECT_TRUE(is_at_least(camera, least));
+  EXPECT_TRUE(testing::is_at_least(camera, least));
   const auto cameras = filter.camera_mixture();
   EXPECT_GE(cameras.size(), 2U);  // or the mixture was not what is tested
   for (const auto& component : cameras.components())
-    EXPECT_TRUE(is_at_least(component.density.covariance(), least));
+    EXPECT_TRUE(testing::is_at_least(component.density.covariance(), least));
   const ConcentratedGaussian<PoseStackd> joint = filter.joint();
   expect_same(joint.covariance().topLeftCorner<6, 6>(), camera);
   EXPECT_EQ(Eigen::LLT<Eigen::MatrixXd>(joint.covariance()).info(), Eigen::Success);
   for (std::size_t j = 0; j < scene.truth.size(); ++j) {
     const auto places = filter.object_mixture(j);
     for (const auto& component : places.components())
-      EXPECT_TRUE(is_at_least(component.density.covariance(), least));
+      EXPECT_TRUE(testing::is_at_least(component.density.covariance(), least));
     const std::size_t leading = filter.leading(j).value();
     const ObjectHypothesis hypothesis = filter.hypotheses(j)[leading];
     const auto at = static_cast<Eigen::Index>(6 * filter.pose_index(j).value());
@@ -140,9 +129,9 @@ TEST(WorldError, ChangesNothingWhereNothingIsApproximated) {
     testing::OrbitScene scene(4, 3, 0.05, 6e-4);
     const NoiseComponent inlier = testing::ray_noise().components().front();
     const DetectorNoise noise({{.weight = 1.0, .covariance = inlier.covariance}}, {.weight = 0.0});
-    MultiObjectFilter filter(ConcentratedGaussian<SE3d>(scene.camera, part * start_covariance()),
-                             std::vector<ObjectSensor>(3, ObjectSensor{noise}),
-                             testing::plain_settings());
+    MultiObjectFilter filter(
+        ConcentratedGaussian<SE3d>(scene.camera, part * testing::start_covariance()),
+        std::vector<ObjectSensor>(3, ObjectSensor{noise}), testing::plain_settings());
     for (int frame = 0; frame < 50; ++frame) {
       if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
       for (std::size_t j = 0; j < 3; ++j) filter.update(j, scene.detect(j, 0.0, 0.0));
@@ -152,7 +141,7 @@ TEST(WorldError, ChangesNothingWhereNothingIsApproximated) {
   const ConcentratedGaussian<SE3d> whole = camera_after(1.0);
   const ConcentratedGaussian<SE3d> without = camera_after(1e-6);
   const Matrix6d difference = whole.covariance() - without.covariance();
-  expect_same(difference, (1.0 - 1e-6) * start_covariance());
+  expect_same(difference, (1.0 - 1e-6) * testing::start_covariance());
   EXPECT_LT((whole.mean().inverse() * without.mean()).log().norm(), 1e-9);
 }
 
@@ -169,9 +158,9 @@ TEST(WorldError, IsToldByWhatIsKnownInTheWorld) {
   scene.truth.push_back(place);
   for (int k = 0; k < 100; ++k) filter.update(known, scene.detect(known, 0.0, 0.0));
   const Matrix6d after = filter.camera().covariance();
-  EXPECT_LT(after.diagonal().tail<3>().minCoeff(), 0.3 * start_covariance()(3, 3));
+  EXPECT_LT(after.diagonal().tail<3>().minCoeff(), 0.3 * testing::start_covariance()(3, 3));
   EXPECT_LT(filter.hypotheses(1)[filter.leading(1).value()].covariance.trace(), object.trace());
-  EXPECT_FALSE(is_at_least(after, 0.98 * start_covariance()));
+  EXPECT_FALSE(testing::is_at_least(after, 0.98 * testing::start_covariance()));
 }
 
 TEST(WorldError, StaysWithTheObjectsWhereTheCameraIsGivenOrLost) {
@@ -201,7 +190,7 @@ using internal::MultiObjectState;
 GlobalHypotheses hypotheses_of(const testing::OrbitScene& scene,
                                const MultiObjectSettings& settings) {
   return GlobalHypotheses(MultiObjectState(
-      {scene.camera, start_covariance()},
+      {scene.camera, testing::start_covariance()},
       std::vector<ObjectSensor>(scene.truth.size(), ObjectSensor{testing::ray_noise()}), settings));
 }
 
@@ -259,7 +248,7 @@ TEST(WorldError, IsTheSameInAllWhereTheCameraIsLostInOne) {
     filter.for_each([&](MultiObjectState& state) { state.predict_random_walk(walk, 0.1); });
     filter.for_each([](MultiObjectState& state) {
       EXPECT_TRUE(state.world_error.isZero(0.0));
-      EXPECT_GT(state.joint.covariance(1, 1).trace(), 0.9 * start_covariance().trace());
+      EXPECT_GT(state.joint.covariance(1, 1).trace(), 0.9 * testing::start_covariance().trace());
     });
   }
   EXPECT_GT(parted, 3);
@@ -295,160 +284,6 @@ TEST(WorldError, ReachesPassiveObjects) {
   dense.add_world_error(shift);
   EXPECT_LT((dense.covariance() - expected).norm(), 1e-13);
   EXPECT_LT((joint.covariance() - expected).norm(), 1e-12);
-}
-
-/// T_camera_object of the truth or of its flip, whichever is nearer.
-SE3d nearest_mode(const SE3d& seen, const SE3d& estimate) {
-  const SE3d flipped = seen * testing::pose(0, 0, std::numbers::pi, 0, 0, 0);
-  const auto angle_from = [&](const SE3d& from) {
-    return (from.rotation().inverse() * estimate.rotation()).log().norm();
-  };
-  return angle_from(seen) < angle_from(flipped) ? seen : flipped;
-}
-
-/// A detection of an object in one of `modes` turns about its axis, with the components and the
-/// clutter of ray_noise().
-SE3d detection_as_stated(testing::OrbitScene& scene, std::size_t object, int modes = 2) {
-  RandomStream& stream = scene.stream;
-  const double turn = 2.0 * std::numbers::pi / modes * std::floor(stream.uniform() * modes);
-  const SE3d turned = testing::pose(0, 0, turn, 0, 0, 0);
-  const SE3d mode = scene.camera.inverse() * scene.truth[object] * turned;
-  const DetectorNoise noise = testing::ray_noise();
-  double chance = stream.uniform();
-  for (const NoiseComponent& component : noise.components()) {
-    chance -= component.weight;
-    if (chance >= 0.0) continue;
-    const NoiseAtPose at = noise_at(component, mode);
-    return at.axes * SE3d::exp(testing::draw(at.covariance, stream)) * at.axes.inverse() * mode;
-  }
-  const Eigen::Vector3d place(stream.uniform(), stream.uniform(), stream.uniform());
-  return {SO3d::exp(2.0 * testing::normals(stream)),
-          mode.translation() + place - Eigen::Vector3d::Constant(0.5)};
-}
-
-/// A filter by the defaults of five objects, each of which is seen in one of `modes` modes in turn,
-/// for good.
-struct CompetingModes {
-  CompetingModes(std::uint64_t seed, const Matrix6d& start, int modes_of_each,
-                 const SymmetryGroup& symmetries = {})
-      : modes(modes_of_each),
-        scene(seed, 5, 0.05, 6e-4),
-        filter({SE3d::exp(testing::draw(start, scene.stream)) * scene.camera, start},
-               std::vector<ObjectSensor>(5, ObjectSensor{testing::ray_noise(), symmetries}), {}) {}
-
-  void run(int frames) {
-    for (int frame = 0; frame < frames; ++frame) {
-      filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
-      for (std::size_t j = 0; j < 5; ++j) filter.update(j, detection_as_stated(scene, j, modes));
-    }
-  }
-  /// Of the camera in the world, per degree of freedom.
-  double nees() const { return testing::nees_of(scene.camera, filter.camera()) / 6.0; }
-
-  int modes;
-  testing::OrbitScene scene;
-  MultiObjectFilter filter;
-};
-
-/// Of ten cameras the mean NEES has a standard deviation of 0.18. Before the error of the world was
-/// kept beside the joint Gaussian it was 2 to 3 here with two modes, and 5 after 1,000 frames.
-TEST(WorldError, IsKeptWhereModesCompeteForGood) {
-  for (const int modes : {1, 2, 3}) {
-    double nees = 0.0;
-    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-      CompetingModes competing(seed, start_covariance(), modes);
-      competing.run(400);
-      nees += competing.nees() / 10.0;
-    }
-    EXPECT_GT(nees, 0.5) << modes;
-    EXPECT_LT(nees, 1.5) << modes;
-  }
-}
-
-/// What the odometry adds until the map is known is kept as well: that modes compete tells nothing
-/// of it.
-TEST(WorldError, IsKeptWhereTheStartIsKnown) {
-  Matrix6d with_one = Matrix6d::Zero();
-  for (const int modes : {1, 2, 3}) {
-    double nees = 0.0;
-    Matrix6d covariance = Matrix6d::Zero();
-    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-      CompetingModes competing(seed, testing::isotropic(1e-3, 1e-5), modes);
-      competing.run(1000);
-      covariance += competing.filter.camera().covariance();
-      nees += competing.nees() / 6.0;
-    }
-    if (modes == 1) with_one = covariance;
-    for (Eigen::Index k = 0; k < 6; ++k)
-      EXPECT_GT(covariance(k, k), 0.98 * with_one(k, k)) << modes;
-    EXPECT_LT(nees, 1.6) << modes;
-  }
-}
-
-/// The angle about the axis of symmetry, which is chosen, tells nothing of the world.
-TEST(WorldError, IsKeptWithSymmetries) {
-  const SymmetryGroup axis = SymmetryGroup::turns(Eigen::Vector3d::UnitZ(), 0);
-  double nees = 0.0;
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    CompetingModes competing(seed, start_covariance(), 5, axis);
-    competing.run(200);
-    nees += competing.nees() / 10.0;
-    EXPECT_TRUE(is_at_least(competing.filter.camera().covariance(), 0.98 * start_covariance()));
-  }
-  EXPECT_GT(nees, 0.5);
-  EXPECT_LT(nees, 1.5);
-}
-
-/// With typical noise, whose gain is reduced.
-TEST(WorldError, HypothesesStayPositiveDefiniteByTheDefaults) {
-  for (const double far_m : {0.0, 90.0, 1000.0}) {
-    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-      testing::OrbitScene scene(seed, 6, 1.0, 0.02);
-      const SE3d shift(SO3d(), {far_m, -0.5 * far_m, 0.2 * far_m});
-      DetectorNoise typical(testing::ray_noise().components(), testing::ray_noise().clutter(),
-                            {.is_typical = true});
-      MultiObjectFilter filter(
-          ConcentratedGaussian<SE3d>(shift * scene.camera, testing::isotropic(0.1, 0.002)),
-          std::vector<ObjectSensor>(6, {typical}), MultiObjectSettings{});
-      for (int frame = 0; frame < 150; ++frame) {
-        filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
-        for (std::size_t j = 0; j < 6; ++j) filter.update(j, scene.detect(j, 0.3, 0.1));
-        if (frame % 3 > 0) continue;
-        for (std::size_t j = 0; j < 6; ++j) {
-          for (std::size_t h = 0; h < filter.hypotheses(j).size(); ++h) {
-            const Matrix6d seen = filter.relative(j, h).covariance();
-            ASSERT_EQ(Eigen::LLT<Matrix6d>(seen).info(), Eigen::Success)
-                << far_m << " m, seed " << seed << ", frame " << frame;
-          }
-        }
-      }
-    }
-  }
-}
-
-/// Five objects, each of which the detector sees flipped every other time, for good.
-TEST(WorldError, WhereModesCompeteForGoodPosesFromTheCameraAreAsSureAsTheyAreRight) {
-  constexpr std::size_t kFlipped = 5;
-  constexpr int kFrames = 300;
-  constexpr int kFound = 100;  // before, something else that was detected first may lead
-  double nees = 0.0;
-  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-    testing::OrbitScene scene(seed, kFlipped, 0.05, 6e-4);
-    MultiObjectFilter filter = testing::filter_of(scene, testing::plain_settings());
-    for (int frame = 0; frame < kFrames; ++frame) {
-      if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
-      for (std::size_t j = 0; j < kFlipped; ++j) filter.update(j, detection_as_stated(scene, j));
-      if (frame < kFound) continue;
-      const auto estimates = filter.leading_estimates();
-      for (std::size_t j = 0; j < kFlipped; ++j) {
-        const ConcentratedGaussian<SE3d>& seen = estimates[j].value().relative;
-        const SE3d nearest = nearest_mode(scene.camera.inverse() * scene.truth[j], seen.mean());
-        nees += testing::nees_of(nearest, seen) / 6.0;
-      }
-    }
-  }
-  EXPECT_GT(nees, 0.8 * 3 * (kFrames - kFound) * kFlipped);
-  EXPECT_LT(nees, 1.25 * 3 * (kFrames - kFound) * kFlipped);
 }
 
 }  // namespace

@@ -77,6 +77,7 @@ void MultiObjectState::take_out_world_error(const Matrix6d& d) {
 }
 
 void MultiObjectState::take_in_world_error() {
+  if (world_error.isZero(0.0)) return;
   joint.add_world_error(world_error);
   for (TrackedObject& object : objects) object.belief.add_world_error(world_error);
   world_error.setZero();
@@ -103,10 +104,10 @@ void GlobalHypotheses::take_out_world_error() {
 
 /// A state whose camera is lost has taken it in, and there is one for all.
 void GlobalHypotheses::share_world_error() {
-  const auto has_none = [](const Weighted& one) { return one.state.world_error.isZero(0.0); };
-  if (std::none_of(list_.begin(), list_.end(), has_none)) return;
-  for (Weighted& one : list_)
-    if (!has_none(one)) one.state.take_in_world_error();
+  if (std::none_of(list_.begin(), list_.end(),
+                   [](const Weighted& one) { return one.state.world_error.isZero(0.0); }))
+    return;
+  for (Weighted& one : list_) one.state.take_in_world_error();
 }
 
 }  // namespace posemix::internal
