@@ -47,10 +47,12 @@ Examples
 -0.1416
 )";
 
+/// The nearest equivalent poses by SymmetryGroup::closest or ::closest_observed.
+template <SE3d (SymmetryGroup::*kClosest)(const SE3d&, const SE3d&, const Matrix6d&) const>
 PoseArray closest(const SymmetryGroup& group, const PoseArray& poses, const PoseArray& references,
                   const Matrix6d& information) {
   return each_pose(poses, references, [&](const SE3d& pose, const SE3d& reference) {
-    return group.closest(pose, reference, information);
+    return (group.*kClosest)(pose, reference, information);
   });
 }
 
@@ -94,7 +96,7 @@ void bind_queries(nb::class_<SymmetryGroup>& group) {
       "Copies of the axes, which cannot be changed.");
   group.def_prop_ro("is_trivial", &S::is_trivial, "Whether the identity is the only motion.");
   group.def(
-      "closest", &closest, "pose"_a, "reference"_a, "information"_a,
+      "closest", &closest<&S::closest>, "pose"_a, "reference"_a, "information"_a,
       "The equivalent poses X g nearest to a reference.\n\n"
       "Parameters\n----------\npose : SE3, shape (...)\n    Poses X.\n"
       "reference : SE3, shape (...) or ()\n    One per pose, or one for all.\n"
@@ -102,6 +104,18 @@ void bind_queries(nb::class_<SymmetryGroup>& group) {
       "    Of z = Log((X g)^-1 reference), along the object's own axes, positive definite. Turns\n"
       "    about axes are found by a local search, which for errors of rotation above about\n"
       "    0.5 rad may end at another minimum.\n");
+  group.def(
+      "closest_observed", &closest<&S::closest_observed>, "pose"_a, "reference"_a, "information"_a,
+      "Of the equivalent poses X g whose error leaves no rotation about the axes, the nearest.\n\n"
+      "For how far an error is from nothing: of closest() a wrong pose would be nearer, because "
+      "in\n"
+      "Log a turn by a large angle turns a translation, too, to where the information is least.\n\n"
+      "Parameters\n----------\npose : SE3, shape (...)\n    Poses X.\n"
+      "reference : SE3, shape (...) or ()\n    One per pose, or one for all.\n"
+      "information : array_like, shape (6, 6)\n"
+      "    Of z = Log((X g)^-1 reference), along the object's own axes: the inverse of a "
+      "covariance\n"
+      "    that has unobserved_covariance().\n");
   group.def(
       "unobserved_covariance",
       [](const S& self) { return matrix_array(self.unobserved_covariance()); },

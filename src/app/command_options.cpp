@@ -32,9 +32,10 @@ std::function<std::string(const std::string&)> number_in(const NumberRange& rang
                                                          const std::string& unit) {
   return [range, unit](const std::string& text) {
     double number = 0.0;
-    const bool is_number = CLI::detail::lexical_cast(text, number);
+    // CLI11 takes an empty word for zero.
+    const bool is_number = !text.empty() && CLI::detail::lexical_cast(text, number);
     if (is_number && range.contains(number)) return std::string();
-    return fmt::format("got {}, expected a {}{}{}", text, range.describe(),
+    return fmt::format("got {}, expected a {}{}{}", text.empty() ? "''" : text, range.describe(),
                        unit.empty() ? "" : ", ", unit);
   };
 }

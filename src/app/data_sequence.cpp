@@ -59,6 +59,7 @@ void add_sequence_inputs(CLI::App& command, DataSequenceOptions& options) {
       ->type_name("ID")
       ->allow_extra_args(false);
   command.add_option("--min-score", request.min_score, "Leave estimates of a lower score out")
+      ->check(number_in(kAnyNumber))
       ->type_name("X");
 }
 
@@ -79,6 +80,7 @@ void add_data_sequence_command(CLI::App& data, std::function<int()>& action) {
       ->add_option("--lever-arm", options->lever_arm_m,
                    "From the annotated camera to that of the images, metres")
       ->expected(3)
+      ->check(number_in(kAnyNumber, "in metres"))
       ->type_name("X Y Z");
   command
       ->add_option("--frame-period", options->request.frame_period_s,

@@ -45,10 +45,6 @@ void check_numbers(const std::vector<double>& numbers, const char* option) {
 }
 
 SE3d grasp_pose(const std::vector<double>& numbers) {
-  for (const double number : numbers) {
-    if (!kAnyNumber.contains(number))
-      throw UsageError(fmt::format("--pose: got {}, expected a finite number", number));
-  }
   const Eigen::Quaterniond q(numbers[6], numbers[3], numbers[4], numbers[5]);
   const double norm = q.coeffs().stableNorm();
   if (!(std::abs(norm - 1.0) <= kNormTolerance)) {
@@ -121,6 +117,7 @@ void add_box_options(CLI::App& command, GraspOptions& options) {
   CLI::Option_group* where = command.add_option_group("Pose of the grasp");
   where->add_option("--pose", options.pose, "tx ty tz qx qy qz qw in the frame of the mixture")
       ->expected(kPoseNumbers)
+      ->check(number_in(kAnyNumber))
       ->type_name("NUMBER");
   where->add_flag("--best", options.best, "Look for the pose of the largest probability");
   where->require_option(1);

@@ -65,9 +65,11 @@ SE3d SymmetryGroup::turned_to(const SE3d& error) const {
   return about(axis.point, SO3d::exp(angle * axis.direction));
 }
 
-SE3d SymmetryGroup::closest(const SE3d& pose, const SE3d& reference,
-                            const Matrix6d& information) const {
-  if (is_trivial()) return pose;
+/// The motion of the group with the least cost, of those that `refined` makes of the ones that
+/// leave no rotation about the axes.
+template <class Refine>
+SE3d SymmetryGroup::best_motion(const SE3d& pose, const SE3d& reference,
+                                const Matrix6d& information, const Refine& refined) const {
   if (!information.allFinite())
     throw InvalidInput("the information holds a value that is not finite");
   const SE3d error = pose.inverse() * reference;
@@ -77,13 +79,29 @@ SE3d SymmetryGroup::closest(const SE3d& pose, const SE3d& reference,
     const SE3d rest = inverses_[i] * error;
     const SE3d turn = turned_to(rest);
     Equivalent equivalent(elements_[i] * turn, turn.inverse() * rest, information);
-    if (axes_.size() == 1) refine<1>(generators_.leftCols<1>(), information, least, equivalent);
-    if (axes_.size() == 3) refine<3>(generators_, information, least, equivalent);
+    refined(least, equivalent);
     if (!(equivalent.cost < least)) continue;
     least = equivalent.cost;
     best = equivalent.motion;
   }
-  return pose * best;
+  return best;
+}
+
+SE3d SymmetryGroup::closest(const SE3d& pose, const SE3d& reference,
+                            const Matrix6d& information) const {
+  if (is_trivial()) return pose;
+  return pose *
+         best_motion(pose, reference, information, [&](double least, Equivalent& equivalent) {
+           if (axes_.size() == 1)
+             refine<1>(generators_.leftCols<1>(), information, least, equivalent);
+           if (axes_.size() == 3) refine<3>(generators_, information, least, equivalent);
+         });
+}
+
+SE3d SymmetryGroup::closest_observed(const SE3d& pose, const SE3d& reference,
+                                     const Matrix6d& information) const {
+  if (is_trivial()) return pose;
+  return pose * best_motion(pose, reference, information, [](double, Equivalent&) {});
 }
 
 SE3d SymmetryGroup::undoing(const SO3d& rotation) const {

@@ -110,7 +110,10 @@ void OutputFolder::create_hidden() {
 
 void OutputFolder::remove_traces() noexcept {
   std::error_code ignored;
-  if (hidden_) fs::remove_all(hidden_path_, ignored);
+  // Without its lock first: where no descriptor is left, that is the one to look into it.
+  const bool is_there = hidden_ != nullptr;
+  hidden_.reset();
+  if (is_there) fs::remove_all(hidden_path_, ignored);
   for (const fs::path& parent : created_parents_) ::rmdir(parent.c_str());
 }
 

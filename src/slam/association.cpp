@@ -50,7 +50,7 @@ class Predicted {
   /// Log determinant of the covariance of the error.
   double log_volume() const { return log_volume_; }
   SE3d nearest(const SE3d& detection, const SymmetryGroup& symmetries) const {
-    return symmetries.closest(detection, pose_, information_);
+    return symmetries.closest_observed(detection, pose_, information_);
   }
   double squared_position(const SE3d& detection) const {
     return position_factor_.matrixL()

@@ -59,7 +59,7 @@ Vector6d PairsFit::residual(const MapPair& pair) const {
   SE3d nearest = after.pose;
   if (!symmetries.is_trivial()) {
     const Matrix6d along_object = after.pose.inverse().adjoint_congruence(error(pair, pair));
-    nearest = symmetries.closest(after.pose, expected, along_object.inverse());
+    nearest = symmetries.closest_observed(after.pose, expected, along_object.inverse());
   }
   return (nearest * expected.inverse()).log();
 }

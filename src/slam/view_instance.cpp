@@ -106,7 +106,7 @@ class ViewModes {
     const Density& first = modes_.front().parts.front().density;
     const Matrix6d information =
         Eigen::LLT<Matrix6d>(first.body_covariance()).solve(Matrix6d::Identity());
-    return symmetries_.closest(pose, first.mean(), information);
+    return symmetries_.closest_observed(pose, first.mean(), information);
   }
 
   const SymmetryGroup& symmetries_;

@@ -106,11 +106,11 @@ void ViewStack::add(const ViewTerm& term, const SymmetryGroup& symmetries) {
   }
   if (!term.is_turned) {
     if (!symmetries.is_trivial()) {
-      const Matrix6d along_object = reference_.inverse().adjoint_congruence(
-          Matrix6d(term.white + term.slow_factor * term.slow_factor.transpose()));
-      const Matrix6d information = Eigen::LLT<Matrix6d>(along_object).solve(Matrix6d::Identity());
-      row.pose = symmetries.closest(term.pose, reference_, information);
       row.term.white += axis_covariance(reference_, symmetries);
+      const Matrix6d along_object = reference_.inverse().adjoint_congruence(
+          Matrix6d(row.term.white + term.slow_factor * term.slow_factor.transpose()));
+      const Matrix6d information = Eigen::LLT<Matrix6d>(along_object).solve(Matrix6d::Identity());
+      row.pose = symmetries.closest_observed(term.pose, reference_, information);
     }
     has_orientation_ = true;
   }

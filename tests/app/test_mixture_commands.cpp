@@ -249,6 +249,8 @@ TEST_F(MixtureCommands, GraspAtAPoseAndTheBest) {
                "--rotation-deg: got two numbers");
   expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose nan 0 0 0 0 0 1", 2,
                "--pose: got nan, expected a finite number");
+  expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose '' 0 0 0 0 0 1", 2,
+               "--pose: got '', expected a finite number");
   expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose 1e160 0 0 0 0 0 1",
                2, "--pose: the grasp has a position of 1e+160 m, expected at most 1e+08 m");
   expect_error("posemix grasp mug.json --rotation-deg 5 --translation 1 --pose 0 0 0 0 0 0 2", 2,

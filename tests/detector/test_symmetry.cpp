@@ -164,6 +164,60 @@ TEST(SymmetryGroup, ClosestIsTheSameForEquivalentPoses) {
   }
 }
 
+/// In Log a turn of the ball by half a turn turns its error by a quarter of one, and would let it
+/// fall where little is known.
+TEST(SymmetryGroup, WhatIsNotObservedMakesNoErrorSmaller) {
+  const Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  const SymmetryGroup ball({}, {{kZ, centre}, {kX, centre}});
+  const Matrix6d covariance =
+      pose_covariance(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.01, 0.01, 0.2));
+  const Matrix6d information = (covariance + ball.unobserved_covariance()).inverse();
+  RandomStream stream(8);
+  for (int i = 0; i < 50; ++i) {
+    const Eigen::Vector3d aside(0.1, 0.0, 0.0);
+    const SE3d seen(SO3d::exp(2.0 * Eigen::Vector3d(stream.normal(), stream.normal(), 1.0)), aside);
+    const SE3d nearest = ball.closest_observed(seen, SE3d(), information);
+    EXPECT_NEAR(cost(nearest, SE3d(), information), 100.0, 1e-6);
+  }
+}
+
+/// Squared Mahalanobis distance of what is observed: across the directions in which a turn about an
+/// axis moves the pose.
+double cost_of_observed(const SymmetryGroup& group, const SE3d& seen, const SE3d& reference,
+                        const Matrix6d& information) {
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(group.unobserved_covariance());
+  const auto dof = static_cast<Eigen::Index>(6 - group.axes().size());
+  const Eigen::MatrixXd across = eigen.eigenvectors().leftCols(dof);
+  const Eigen::VectorXd z = across.transpose() * (seen.inverse() * reference).log();
+  const Eigen::MatrixXd covariance = across.transpose() * information.inverse() * across;
+  return z.dot(covariance.llt().solve(z));
+}
+
+/// And with a tilt that is observed, for all groups: no rotation about the axes is left, and the
+/// cost is that of what is observed.
+TEST(SymmetryGroup, ClosestObservedHasNoRotationAboutTheAxes) {
+  RandomStream stream(9);
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    for (int i = 0; i < 50; ++i) {
+      const Matrix6d information =
+          (random_information(stream).inverse() + c.group.unobserved_covariance()).inverse();
+      const SE3d reference = pose(0.3, -0.2, 0.5, 0.4, 0.1, 1.2);
+      const SE3d truth = reference * SE3d::exp(draw(isotropic(5.0, 0.02), stream));
+      const SE3d seen = truth * random_motion(c.group, stream);
+      const SE3d nearest = c.group.closest_observed(seen, reference, information);
+      const Eigen::Vector3d left = (nearest.inverse() * reference).rotation().log();
+      for (const SymmetryAxis& axis : c.group.axes())
+        EXPECT_NEAR(left.dot(axis.direction), 0.0, 1e-9);
+      const SE3d best = c.group.closest(seen, reference, information);
+      EXPECT_TRUE(c.group.closest_observed(best, reference, information).is_approx(nearest, 1e-9));
+      const double observed = cost_of_observed(c.group, nearest, reference, information);
+      EXPECT_LT(cost(nearest, reference, information), 1.01 * observed + 0.01);
+      EXPECT_GE(cost(nearest, reference, information), observed - 1e-9);
+    }
+  }
+}
+
 TEST(SymmetryGroup, AngleIsRefinedWhereTheAxisIsOffTheOrigin) {
   // A line one metre away: the position determines the angle better than the rotation does.
   const SymmetryGroup group({}, {{kZ, Eigen::Vector3d(1, 0, 0)}});

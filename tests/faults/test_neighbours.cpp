@@ -62,6 +62,21 @@ TEST_F(Neighbours, ALimitOnTheSizeOfFilesIsAnErrorOfTheOutputAndLeavesNothing) {
   EXPECT_EQ(testing::names_in(folder_.path()), std::vector<std::string>{});
 }
 
+/// From fewer than the loader needs to more than the run does: where the lock of the hidden folder
+/// is the last descriptor there is, too.
+TEST_F(Neighbours, WithoutDescriptorsNothingIsLeftBehind) {
+  std::set<int> codes;
+  for (int count = 3; count < 100 && !codes.contains(0); ++count) {
+    const ProgramResult result = limited(fmt::format("ulimit -n {}", count), slam());
+    codes.insert(result.exit_code);
+    if (result.exit_code == 0 || result.exit_code == 127) continue;  // 127 of the loader
+    EXPECT_NE(result.err.find("Too many open files"), std::string::npos) << result.err;
+    EXPECT_EQ(testing::names_in(folder_.path()), std::vector<std::string>{}) << count;
+  }
+  EXPECT_TRUE(codes.contains(0)) << "the last limit is enough";
+  EXPECT_TRUE(codes.contains(4)) << "one is that of the folder";
+}
+
 TEST_F(Neighbours, AStudyWhoseJournalHasNoRoomIsContinued) {
   const FaultyRun whole = run_with_fault(study(), "", folder_.path());
   ASSERT_EQ(whole.result.exit_code, 0) << whole.result.err;

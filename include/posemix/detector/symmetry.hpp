@@ -79,6 +79,13 @@ class SymmetryGroup {
   /// may be a local optimum elsewhere.
   SE3d closest(const SE3d& pose, const SE3d& reference, const Matrix6d& information) const;
 
+  /// The same over the equivalent poses whose error (X g)^-1 reference has no rotation about the
+  /// axes: its quaternion has q_v . d = 0. That is the one to ask how far an error is from nothing,
+  /// with the inverse of a covariance that has unobserved_covariance(): of closest() a wrong pose
+  /// would be nearer, because in Log a turn by a large angle turns a translation, too, from an axis
+  /// along which the information is much into one along which it is little.
+  SE3d closest_observed(const SE3d& pose, const SE3d& reference, const Matrix6d& information) const;
+
   /// The equivalent pose X g whose rotation is nearest to that of the reference. Several rotations
   /// are equally near where a group about one axis has the reference turned by half a step.
   SE3d nearest_rotation(const SE3d& pose, const SE3d& reference) const;
@@ -117,6 +124,9 @@ class SymmetryGroup {
   SE3d undoing(const SO3d& rotation) const;
   /// The rotation k about axes() that leaves the least rotation in k^-1 error.
   SE3d turned_to(const SE3d& error) const;
+  template <class Refine>
+  SE3d best_motion(const SE3d& pose, const SE3d& reference, const Matrix6d& information,
+                   const Refine& refined) const;
   bool are_same(const SE3d& a, const SE3d& b, const SymmetryTolerance& tolerance) const;
 
   std::vector<SE3d> elements_;

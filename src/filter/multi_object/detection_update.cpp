@@ -80,11 +80,11 @@ Innovation innovation(const DetectionState& state, const ObservationComponent& o
   result.slow_map = state.has_slow ? slow_map_of(result.axes, at, sensor) : Matrix6d::Zero();
   SE3d seen = observed.pose * component.offset.inverse();
   if (!sensor.symmetries.is_trivial()) {
-    const Matrix6d local =
-        state.object.inverse().adjoint_congruence(Matrix6d(state.difference() + result.noise));
-    seen = sensor.symmetries.closest(seen, expected, local.inverse());
     // The detected angle about an axis of symmetry is any angle.
     result.noise += state.object.adjoint_congruence(sensor.symmetries.unobserved_covariance());
+    const Matrix6d local =
+        state.object.inverse().adjoint_congruence(Matrix6d(state.difference() + result.noise));
+    seen = sensor.symmetries.closest_observed(seen, expected, local.inverse());
   }
   result.residual = (state.camera * seen * state.object.inverse()).log();
   if (state.has_slow) result.residual -= result.slow_map * state.slow;

@@ -51,7 +51,6 @@ class GlobalHypotheses {
   template <class Predict>
   void for_each(Predict predict) {
     for (Weighted& one : list_) predict(one.state);
-    share_world_error();
     reset_reports();
   }
   /// One observation of object `j`.
@@ -99,8 +98,6 @@ class GlobalHypotheses {
   void reduce();
   /// What no detection tells of is taken out of all states now and then, eq. (31).
   void take_out_world_error();
-  /// All states have the same error of the world: none where one has none.
-  void share_world_error();
   double loss_of_mixing(const Weighted& a, const Weighted& b) const;
   /// Probability of the hypothesis with the id, over all states.
   double probability_of(std::size_t j, std::uint64_t id) const;

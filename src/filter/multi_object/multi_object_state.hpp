@@ -89,7 +89,7 @@ struct MultiObjectState {
   /// Camera and objects get the error of the world, which is zero then: before something tells of
   /// it.
   void take_in_world_error();
-  /// W^-1 of eq. (31); none where something tells of the error of the world, or may have.
+  /// W^-1 of eq. (31); none where nothing is to be taken out.
   std::optional<Matrix6d> world_information() const;
   /// The part D of the error of the world leaves camera and objects.
   void take_out_world_error(const Matrix6d& d);
@@ -112,7 +112,7 @@ struct MultiObjectState {
   /// typical is known. Not where poses of objects or of the camera are known: a shift of the world
   /// would move them.
   bool is_damped(const ObjectSensor& sensor) const {
-    return settings.has_odometry && !has_known_objects && !has_given_camera &&
+    return settings.has_odometry && !has_known_objects && !camera_given_at &&
            sensor.noise.dependence().is_typical;
   }
   /// The factors on the gains of an observation of the object.
@@ -133,7 +133,8 @@ struct MultiObjectState {
   double now_s = 0.0;
   std::optional<std::size_t> motion;  ///< index of the camera's motion in the joint Gaussian
   bool has_known_objects = false;     ///< whether any object was added with a prior
-  bool has_given_camera = false;      ///< whether set_camera() was called
+  /// `update_count` when the camera was given last, by set_camera().
+  std::optional<std::uint64_t> camera_given_at;
   std::uint64_t next_id = 0;
   std::uint64_t update_count = 0;  ///< number of detections of all objects so far
   ActiveLimits limits = {};

@@ -70,7 +70,7 @@ bool are_alike(const MultiObjectState& a, std::size_t i, const MultiObjectState&
 }  // namespace
 
 bool are_one_but_for_the_world(const MultiObjectState& a, const MultiObjectState& b) {
-  if (a.has_known_objects || a.has_given_camera) return false;
+  if (a.has_known_objects || a.camera_given_at) return false;
   const SE3d there = a.joint.pose(kCamera) * b.joint.pose(kCamera).inverse();
   const auto pairs = near_pairs(a, b, there);
   if (!pairs) return false;

@@ -200,9 +200,9 @@ struct StateFields<MultiObjectState> {
   }
   static auto tie(auto& x) {
     auto& [settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
-           has_known_objects, has_given_camera, next_id, update_count, limits] = x;
+           has_known_objects, camera_given_at, next_id, update_count, limits] = x;
     return std::tie(settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
-                    has_known_objects, has_given_camera, next_id, update_count, limits);
+                    has_known_objects, camera_given_at, next_id, update_count, limits);
   }
   static void validate(const MultiObjectState& x) {
     std::vector<bool> taken(x.joint.size(), false);
@@ -232,6 +232,8 @@ struct StateFields<MultiObjectState> {
     for (const bool one : taken) require_state(one, "a pose for every block");
     require_state(std::isfinite(x.now_s), "a time that is finite");
     require_covariance(x.world_error, kPoseDof);
+    require_state(!x.camera_given_at || *x.camera_given_at <= x.update_count,
+                  "a camera that was given before the last detection");
   }
 };
 

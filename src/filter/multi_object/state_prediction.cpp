@@ -23,9 +23,8 @@ void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
 /// Rotation about the camera and its position are independent then: only the position's covariance
 /// is that of before.
 void MultiObjectState::release_lost_camera() {
-  const Matrix6d before = joint.covariance(kCamera, kCamera) + world_error;
+  const Matrix6d before = joint.covariance(kCamera, kCamera);
   if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotationVariance) return;
-  take_in_world_error();
   const SE3d position(SO3d(), joint.pose(kCamera).translation());
   Matrix6d there = Matrix6d::Zero();
   there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotationVariance);
@@ -73,7 +72,7 @@ void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera
   joint.set_pose(kCamera, world_camera.mean());
   joint.release_camera(world_camera.covariance());
   for (TrackedObject& object : objects) object.belief.release_camera();
-  has_given_camera = true;
+  camera_given_at = update_count;
   advance(dt, before);
 }
 

@@ -65,7 +65,9 @@ std::optional<Matrix6d> MultiObjectState::world_information() const {
   const auto seen = std::count_if(objects.begin(), objects.end(), [](const TrackedObject& one) {
     return one.belief.leading().has_value();
   });
-  if (seen < 2 || has_given_camera || has_known_objects) return std::nullopt;
+  // A camera that is given again and again takes all in every time.
+  const bool is_given = camera_given_at && update_count - *camera_given_at < kDetectionsBetween;
+  if (seen < 2 || is_given) return std::nullopt;
   return joint.world_information(moved_by_world());
 }
 
@@ -100,14 +102,6 @@ void GlobalHypotheses::take_out_world_error() {
   Matrix6d d = kTakenOut * factor.solved_rows(Matrix6d(Matrix6d::Identity()));
   symmetrize(d);
   for (Weighted& one : list_) one.state.take_out_world_error(d);
-}
-
-/// A state whose camera is lost has taken it in, and there is one for all.
-void GlobalHypotheses::share_world_error() {
-  if (std::none_of(list_.begin(), list_.end(),
-                   [](const Weighted& one) { return one.state.world_error.isZero(0.0); }))
-    return;
-  for (Weighted& one : list_) one.state.take_in_world_error();
 }
 
 }  // namespace posemix::internal

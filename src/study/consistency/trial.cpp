@@ -41,7 +41,7 @@ class ConsistencySums {
   void add(const PoseDensity& estimate, const SE3d& truth) {
     const SE3d to_body = estimate.mean().inverse();
     const Matrix6d covariance = to_body.adjoint_congruence(estimate.covariance());
-    const SE3d nearest = symmetries_.closest(truth, estimate.mean(), covariance.inverse());
+    const SE3d nearest = symmetries_.closest_observed(truth, estimate.mean(), covariance.inverse());
     const Eigen::VectorXd e = basis_.transpose() * (to_body * nearest).log();
     const Eigen::MatrixXd p = basis_.transpose() * covariance * basis_;
     const double squared = e.dot(p.llt().solve(e));
