@@ -27,6 +27,7 @@ using testing::pose;
 
 constexpr double kPeriod_s = 0.1;
 constexpr std::size_t kMovingObject = 2;
+constexpr double kBeyond = 10.0;  ///< NEES per degree of freedom that none of a million should have
 
 long frames() {
   const char* text = std::getenv("POSEMIX_YEARS_FRAMES");
@@ -55,6 +56,9 @@ struct Part {
   double world_variance_m2 = 0.0;              ///< of its position, a sum over all looks
   std::vector<double> nees = {0.0, 0.0, 0.0};  ///< sums, of the objects that stay and the hand
   std::vector<long> counts = {0, 0, 0};
+  double worst_hand = 0.0;  ///< NEES per degree of freedom of the hand
+  long worst_hand_at = 0;   ///< the frame of it
+  long hand_beyond = 0;     ///< frames with more than kBeyond
   long cups_seen = 0;
   long cups_there = 0;
 
@@ -191,12 +195,18 @@ void expect_sound(const MultiObjectSlam& slam, const FrameEstimate& estimate, lo
 }
 
 void score(const MultiObjectSlam& slam, const FrameEstimate& estimate, const Kitchen& kitchen,
-           Part& part) {
+           long frame, Part& part) {
   for (std::size_t object = 0; object <= kMovingObject; ++object) {
     if (!estimate.relative[object]) continue;
     const SE3d seen = kitchen.camera().inverse() * kitchen.truth(object);
-    part.nees[object] += nees_of(seen, *estimate.relative[object]);
+    const double nees = nees_of(seen, *estimate.relative[object]);
+    part.nees[object] += nees;
     ++part.counts[object];
+    if (object != kMovingObject) continue;
+    part.hand_beyond += nees / 6.0 > kBeyond ? 1 : 0;
+    if (!(nees / 6.0 > part.worst_hand)) continue;
+    part.worst_hand = nees / 6.0;
+    part.worst_hand_at = frame;
   }
   for (const SE3d& cup : kitchen.cups()) {
     bool found = false;
@@ -229,8 +239,9 @@ void print(const Part& part) {
             << " us each, " << static_cast<double>(part.cameras) / static_cast<double>(part.looks)
             << " global hypotheses, " << part.most_cameras << " at most, state of "
             << part.state_bytes << " bytes, " << part.resident_mb << " MB, ANEES " << part.anees(0)
-            << ' ' << part.anees(1) << ' ' << part.anees(kMovingObject)
-            << " (of the camera in the world "
+            << ' ' << part.anees(1) << ' ' << part.anees(kMovingObject) << " (the worst "
+            << part.worst_hand << " in frame " << part.worst_hand_at << ", " << part.hand_beyond
+            << " beyond " << kBeyond << "; of the camera in the world "
             << part.world_nees / (6.0 * static_cast<double>(part.looks)) << "), cups found "
             << static_cast<double>(part.cups_seen) / static_cast<double>(part.cups_there)
             << std::endl;
@@ -247,7 +258,7 @@ std::vector<Part> years(long count) {
     const FrameEstimate estimate = slam.step(input);
     part.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     ++part.frames;
-    score(slam, estimate, kitchen, part);
+    score(slam, estimate, kitchen, frame, part);
     if (frame % 100 == 0) look(slam, estimate, kitchen, frame, part);
     if (::testing::Test::HasFatalFailure()) return parts;
     if (10 * (frame + 1) / count > 10 * frame / count) print(part);

@@ -91,8 +91,10 @@ struct MultiObjectState {
   void take_in_world_error();
   /// W^-1 of eq. (31); none where nothing is to be taken out.
   std::optional<Matrix6d> world_information() const;
-  /// The part D of the error of the world leaves camera and objects.
-  void take_out_world_error(const Matrix6d& d);
+  /// ObjectBelief::world_information_beyond() of all objects.
+  std::vector<Matrix6d> world_information_beyond(const Matrix6d& inverse) const;
+  /// A part of the error of the world leaves camera and objects.
+  void take_out_world_error(const WorldPart& part);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
   void advance(double dt, const std::optional<SE3d>& camera_before);
 

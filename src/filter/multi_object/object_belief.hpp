@@ -71,6 +71,14 @@ struct MergeBounds {
   double squared_distance;  ///< squared Mahalanobis distance as seen from the camera
 };
 
+/// What is taken out of the error of the world at once, eq. (31).
+struct WorldPart {
+  Matrix6d d;
+  /// Inverse of what D would be by what leads alone; none where no alternative may know the world
+  /// better.
+  std::optional<Matrix6d> first_inverse = {};
+};
+
 /// The hypotheses of an object in another state, with the weights that they get in a mixture.
 struct OtherBelief {
   std::vector<Alternative> hypotheses;  ///< depend on the camera alone, as this state has it
@@ -137,9 +145,15 @@ class ObjectBelief {
   void fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries);
   /// Adds the covariance of an independent shift of the world to all alternatives.
   void add_world_error(const Matrix6d& shift);
-  /// Takes the part D of the error of the world, eq. (31), out of all alternatives, of a camera
-  /// with these moments before.
-  void take_out_world_error(const Matrix6d& d, const CameraMoments& camera);
+  /// W^-1 of eq. (31) of the alternatives that know the world so well that D, whose inverse is
+  /// given, is more than the shift that they have left.
+  std::vector<Matrix6d> world_information_beyond(const Matrix6d& inverse,
+                                                 const CameraMoments& camera,
+                                                 const SymmetryGroup& symmetries) const;
+  /// Takes a part of the error of the world out of all alternatives, of a camera with these moments
+  /// before.
+  void take_out_world_error(const WorldPart& part, const CameraMoments& camera,
+                            const SymmetryGroup& symmetries);
   /// Alternatives become independent of the camera.
   void release_camera();
   /// Adds P_OC times `factor` to P_OC of every alternative; with extrinsics, [P_OC P_OE ...] times

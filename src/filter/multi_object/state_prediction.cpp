@@ -23,6 +23,9 @@ void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
 /// Rotation about the camera and its position are independent then: only the position's covariance
 /// is that of before.
 void MultiObjectState::release_lost_camera() {
+  // Half of what there is to know: it is the camera's again, and has an end.
+  if (world_error.topLeftCorner<3, 3>().diagonal().maxCoeff() > 0.5 * kUniformRotationVariance)
+    take_in_world_error();
   const Matrix6d before = joint.covariance(kCamera, kCamera);
   if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotationVariance) return;
   const SE3d position(SO3d(), joint.pose(kCamera).translation());

@@ -110,13 +110,34 @@ std::vector<ConsistencyCell> cells_with_modes() {
   return cells;
 }
 
+/// What competes for long, and detections of which the place alone tells.
+std::vector<ConsistencyCell> cells_that_compete() {
+  using Cell = ConsistencyCell;
+  const auto cluttered = [](ObjectShape shape) {
+    return [shape](Cell& c) {
+      c.shape = shape;
+      c.clutter = 0.25;
+    };
+  };
+  const auto five_flipped = [](double flips) {
+    return [flips](Cell& c) {
+      c.objects = 5;
+      c.flips = flips;
+    };
+  };
+  return {changed(by_view("axis_with_clutter"), cluttered(ObjectShape::axis)),
+          changed(by_view("ball_with_clutter"), cluttered(ObjectShape::ball)),
+          changed(by_view("flips_five_objects"), five_flipped(0.2)),
+          changed(by_view("ties_five_objects"), five_flipped(0.5))};
+}
+
 }  // namespace
 
 const std::vector<ConsistencyCell>& consistency_cells() {
   static const std::vector<ConsistencyCell> cells = [] {
     std::vector<ConsistencyCell> list = all_cells();
-    const std::vector<ConsistencyCell> modes = cells_with_modes();
-    list.insert(list.end(), modes.begin(), modes.end());
+    for (const auto& more : {cells_with_modes(), cells_that_compete()})
+      list.insert(list.end(), more.begin(), more.end());
     return list;
   }();
   return cells;
