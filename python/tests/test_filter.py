@@ -81,6 +81,19 @@ def test_closest_is_the_least_over_the_group() -> None:
     np.testing.assert_allclose(got, np.min(costs, axis=0), rtol=1e-9)
 
 
+def test_what_is_not_observed_makes_no_error_smaller() -> None:
+    ball = px.SymmetryGroup(axes=[px.SymmetryAxis([1.0, 0, 0]), px.SymmetryAxis([0, 0, 1.0])])
+    rng = np.random.default_rng(2)
+    places = np.tile([0.1, 0.0, 0.0], (20, 1))
+    seen = px.SE3(px.SO3.exp(rng.normal(size=(20, 3))), places)
+    covariance = px.pose_covariance([0.1, 0.1, 0.1], [0.01, 0.01, 0.2])
+    nearest = ball.closest_observed(
+        seen, px.SE3(), np.linalg.inv(covariance + ball.unobserved_covariance())
+    )
+    np.testing.assert_allclose(nearest.rotation.log(), 0.0, atol=1e-9)
+    np.testing.assert_allclose(nearest.translation, places, atol=1e-12)
+
+
 def test_symmetry_groups_are_values_and_are_checked() -> None:
     axis = px.SymmetryAxis(direction=[0, 0, 2.0], point=[0.1, 0, 5.0])
     group = px.SymmetryGroup(axes=[axis])

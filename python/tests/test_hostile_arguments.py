@@ -54,7 +54,7 @@ NAN_IS_FINE: dict[str, list[str]] = {
         "associate",
     ],
     "A group of one element looks at nothing.": [
-        "SymmetryGroup.closest",
+        "SymmetryGroup.closest", "SymmetryGroup.closest_observed",
     ],
 }  # fmt: skip
 SECONDS = 60
