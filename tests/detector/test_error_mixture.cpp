@@ -108,13 +108,13 @@ TEST(ErrorMixtureFit, TrimmingAndOneGaussian) {
   const std::vector<Vector6d> errors = simulated_errors(2000, 4);
   const std::vector<Vector6d> kept = trimmed_errors(errors, 5.0);
   EXPECT_NEAR(static_cast<double>(kept.size()) / 2000.0, 0.8, 0.03);
-  const auto& density = fit_error_gaussian(kept).mixture()[0].density;
+  const auto density = fit_error_gaussian(kept).mixture()[0].density;
   EXPECT_NEAR(std::sqrt(density.covariance()(5, 5)), 20e-3, 1.5e-3);
   Vector6d mean = Vector6d::Zero();
   for (const Vector6d& e : errors) mean += e / 2000.0;
   Matrix6d covariance = Matrix6d::Zero();
   for (const Vector6d& e : errors) covariance += (e - mean) * (e - mean).transpose() / 2000.0;
-  const auto& all = fit_error_gaussian(errors).mixture()[0].density;
+  const auto all = fit_error_gaussian(errors).mixture()[0].density;
   EXPECT_LT((all.mean().log() - mean).norm(), 1e-14);
   EXPECT_LT(relative_difference(all.covariance(), covariance), 1e-6);
 }

@@ -50,7 +50,7 @@ std::optional<Matrix6d> world_information(const ConditionalPose& object,
 std::optional<Matrix6d> information_beyond(const Matrix6d& inverse, const ConditionalPose& object,
                                            const CameraMoments& camera,
                                            const SymmetryGroup& symmetries) {
-  const auto information = world_information(object, camera, symmetries);
+  std::optional<Matrix6d> information = world_information(object, camera, symmetries);
   if (!information || Cholesky6(Matrix6d(inverse - *information)).ok()) return std::nullopt;
   return information;
 }
