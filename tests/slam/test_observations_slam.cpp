@@ -101,8 +101,8 @@ TEST(ObservationsSlam, AnyOrderOfAFrameGivesTheSameBits) {
     }
     std::vector<double> numbers;
     for (const auto& object : e->objects) {
-      const auto all = object->mean().matrix().reshaped();
-      numbers.insert(numbers.end(), all.begin(), all.end());
+      const Eigen::Matrix4d matrix = object->mean().matrix();
+      numbers.insert(numbers.end(), matrix.data(), matrix.data() + matrix.size());
     }
     const auto camera = e->camera.covariance().reshaped();
     numbers.insert(numbers.end(), camera.begin(), camera.end());
