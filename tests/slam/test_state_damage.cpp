@@ -185,7 +185,7 @@ TEST(StateDamage, BytesWithAChecksumOfTheirOwnAreRefusedOrAreAState) {
     std::string damaged = bytes;
     const auto at = kHead + static_cast<std::size_t>(stream.uniform() *
                                                      static_cast<double>(bytes.size() - kHead));
-    damaged[at] = static_cast<char>(stream.uniform() * 256.0);
+    damaged[at] = static_cast<char>(static_cast<unsigned char>(stream.uniform() * 256.0));
     if (k % 5 == 0) damaged.resize(at);
     try {
       StampedSlam slam = std::get<StampedSlam>(slam_of_state(with_checksum(damaged)));
