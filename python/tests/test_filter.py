@@ -82,7 +82,8 @@ def test_closest_is_the_least_over_the_group() -> None:
 
 
 def test_what_is_not_observed_makes_no_error_smaller() -> None:
-    ball = px.SymmetryGroup(axes=[px.SymmetryAxis([1.0, 0, 0]), px.SymmetryAxis([0, 0, 1.0])])
+    axes = [px.SymmetryAxis(direction=d) for d in ([1.0, 0, 0], [0, 0, 1.0])]
+    ball = px.SymmetryGroup(axes=axes)
     rng = np.random.default_rng(2)
     places = np.tile([0.1, 0.0, 0.0], (20, 1))
     seen = px.SE3(px.SO3.exp(rng.normal(size=(20, 3))), places)
