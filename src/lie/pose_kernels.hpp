@@ -12,8 +12,9 @@
 namespace posemix::internal {
 
 inline ConstPoseRows rows_of(const SE3d* poses) {
-  return {poses->rotation().quaternion().coeffs().data(), poses->translation().data(),
-          sizeof(SE3d) / sizeof(double)};
+  constexpr std::size_t kStride = sizeof(SE3d) / sizeof(double);
+  if (poses == nullptr) return {nullptr, nullptr, kStride};  // of no poses
+  return {poses->rotation().quaternion().coeffs().data(), poses->translation().data(), kStride};
 }
 inline MutablePoseRows rows_of(SE3d* poses) {
   const ConstPoseRows rows = rows_of(static_cast<const SE3d*>(poses));
