@@ -27,7 +27,10 @@ constexpr unsigned kMostPartialFiles = 1000;
 class PartialFile {
  public:
   /// A file that is replaced keeps its permissions, from before there is any content.
-  explicit PartialFile(const fs::path& target) : target_(target), file_(create()) {
+  explicit PartialFile(const fs::path& target)
+      : target_(target),
+        folder_(target.parent_path(), O_RDONLY | O_DIRECTORY, target),
+        file_(create()) {
     std::error_code is_new;
     const fs::file_status before = fs::status(target_, is_new);
     if (!is_new && fs::exists(before))
@@ -44,10 +47,10 @@ class PartialFile {
     file_.write_all(content);
     file_.sync();
   }
-  void put_in_place() const {
+  void put_in_place() {
     if (std::rename(path_.c_str(), target_.c_str()) != 0)
       fail_with_errno(target_, "cannot be replaced");
-    sync_folder(target_.parent_path());
+    folder_.sync();
   }
 
  private:
@@ -66,6 +69,7 @@ class PartialFile {
 
   fs::path target_;
   fs::path path_;
+  Descriptor folder_;  ///< opened first: once the target is replaced, descriptors may be used up
   Descriptor file_;
 };
 

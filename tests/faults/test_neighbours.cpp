@@ -77,6 +77,24 @@ TEST_F(Neighbours, WithoutDescriptorsNothingIsLeftBehind) {
   EXPECT_TRUE(codes.contains(4)) << "one is that of the folder";
 }
 
+/// Also where the last descriptor there is would be that of the folder, after the file is replaced.
+TEST_F(Neighbours, WithoutDescriptorsAFileIsReplacedOrTheErrorIsTold) {
+  run_with_fault(testing::slam_command(inputs_.path(), inputs_.path(), false), "", inputs_.path());
+  const fs::path page = folder_ / "page.html";
+  const std::vector<std::string> report{POSEMIX_PROGRAM, "report", (inputs_ / "out").string(),
+                                        "--quiet",       "--out",  page.string()};
+  std::set<int> codes;
+  for (int count = 3; count < 100 && !codes.contains(0); ++count) {
+    std::ofstream(page) << "before";
+    const ProgramResult result = limited(fmt::format("ulimit -n {}", count), report);
+    codes.insert(result.exit_code);
+    EXPECT_EQ(testing::content_of(page) == "before", result.exit_code != 0) << count << result.err;
+    EXPECT_EQ(testing::names_in(folder_.path()), std::vector<std::string>{"page.html"}) << count;
+  }
+  EXPECT_TRUE(codes.contains(0)) << "the last limit is enough";
+  EXPECT_TRUE(codes.contains(4)) << "one is that of the output";
+}
+
 TEST_F(Neighbours, AStudyWhoseJournalHasNoRoomIsContinued) {
   const FaultyRun whole = run_with_fault(study(), "", folder_.path());
   ASSERT_EQ(whole.result.exit_code, 0) << whole.result.err;
