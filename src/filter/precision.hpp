@@ -9,6 +9,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/linear.hpp"
+#include "posemix/lie/lie.hpp"
 
 namespace posemix::internal {
 
@@ -31,6 +32,23 @@ inline void require_precision(const Matrix6d& predicted, const Matrix6d& noise,
         "most {:.1e} times as much, which double precision holds",
         name, std::sqrt(before), unit, std::sqrt(seen), unit, std::sqrt(kLargestVarianceRatio)));
   }
+}
+
+/// Errors are turns about the origin of the world: far from it, those of millimetres are lost in
+/// the rounding of those of a degree. Up to these distances [m] the results are those near the
+/// origin.
+inline constexpr double kFarthestScene = 1e4;             ///< of MultiObjectFilter
+inline constexpr double kFarthestGaussianSumScene = 1e5;  ///< of GaussianSumFilter
+
+/// @throws InvalidInput when a pose of a camera or an object is farther from the origin of the
+/// world than `farthest` [m]. `name` begins the message.
+inline void require_near_origin(const SE3d& pose, double farthest, std::string_view name) {
+  const double distance = pose.translation().norm();
+  if (!(distance > farthest)) return;
+  throw InvalidInput(
+      fmt::format("{} is {:.3g} km from the origin of the world; expected at most {:g} km, up to "
+                  "which double precision holds its errors: put the origin near the scene",
+                  name, distance / 1000.0, farthest / 1000.0));
 }
 
 }  // namespace posemix::internal

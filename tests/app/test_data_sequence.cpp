@@ -54,6 +54,13 @@ TEST_F(DataSequence, GoesThroughAPipeAndTellsMistakes) {
   EXPECT_EQ(split.exit_code, 3);
   EXPECT_NE(split.err.find("bop/train/000002: is not there"), std::string::npos) << split.err;
   EXPECT_EQ(sequence("bop", {"--frame-period", "0"}).exit_code, 2);
+  for (const auto& words : {std::vector<std::string>{"--min-score", ""},
+                            {"--min-score", "nan"},
+                            {"--lever-arm", "0.02", "", "0"}}) {
+    const ProgramResult refused = sequence("bop", words);
+    EXPECT_EQ(refused.exit_code, 2);
+    EXPECT_NE(refused.err.find(words[0] + ": got "), std::string::npos) << refused.err;
+  }
 }
 
 }  // namespace

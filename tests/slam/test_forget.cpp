@@ -159,6 +159,7 @@ TEST(Forget, AllElseStaysAsItIs) {
   EXPECT_EQ(slam.filter().camera().mean().matrix(), before.filter().camera().mean().matrix());
   EXPECT_EQ(slam.filter().camera().covariance(), before.filter().camera().covariance());
   EXPECT_EQ(slam.estimated_cameras()[1].covariance, before.estimated_cameras()[1].covariance);
+  int followers = 0;
   for (const char* id : {"mug", "bottle", "nut-1", "shelf", "tool"}) {
     const auto now = slam.hypotheses(at(id));
     const auto then = before.hypotheses(at(id));
@@ -167,15 +168,20 @@ TEST(Forget, AllElseStaysAsItIs) {
       expect_same_components(slam.filter().object_mixture(at(id)),
                              before.filter().object_mixture(at(id)), id);
     for (std::size_t h = 0; h < now.size(); ++h) {
-      // What is reported of one that does not lead in all of them follows what does.
+      EXPECT_NEAR(now[h].probability, then[h].probability, 1e-12) << id;
+      const double pose = (now[h].pose.matrix() - then[h].pose.matrix()).norm();
+      const double covariance = (now[h].covariance - then[h].covariance).norm();
+      if (pose < 1e-12 && covariance < 1e-12) continue;  // up to the order of sums
+      // One that leads in some global hypotheses and not in others is reported as it follows what
+      // leads in all of them, forgotten objects too.
+      ++followers;
       const Vector6d apart = (now[h].pose * then[h].pose.inverse()).log();
       EXPECT_LT(apart.dot(then[h].covariance.llt().solve(apart)), 1e-4) << id;
-      EXPECT_LT((now[h].covariance - then[h].covariance).norm(), 0.01 * then[h].covariance.norm())
-          << id;
-      EXPECT_NEAR(now[h].probability, then[h].probability, 1e-12) << id;
+      EXPECT_LT(covariance, 0.01 * then[h].covariance.norm()) << id;
     }
     EXPECT_EQ(slam.existence(at(id)), before.existence(at(id)));
   }
+  EXPECT_LE(followers, 1) << "of 14 hypotheses";
   // The hand was none of the joint Gaussian.
   EXPECT_EQ(slam.estimate().mean().size(), poses - 4);
   EXPECT_EQ(slam.objects().size(), before.objects().size());

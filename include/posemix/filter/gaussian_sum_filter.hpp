@@ -104,8 +104,8 @@ struct UpdateReport {
 class GaussianSumFilter {
  public:
   /// Starts from a prior, usually one hypothesis that holds the camera alone.
-  /// @throws InvalidInput when a setting is out of range, and as check_pose and check_variances for
-  /// the prior
+  /// @throws InvalidInput when a setting is out of range, as check_pose and check_variances for the
+  /// prior, and when a pose is more than 100 km from the origin
   GaussianSumFilter(Posterior prior, GaussianSumSettings settings);
 
   /// Moves every hypothesis, for example by predict_with_odometry. If `motion` throws, the filter
@@ -138,6 +138,11 @@ class GaussianSumFilter {
   Hypothesis summarise() const;
 
  private:
+  /// Does this with the origin of the world near the scene, and puts it back.
+  template <class Work>
+  auto near_the_scene(const Work& work);
+  UpdateReport updated_by(std::span<const Detection> detections);
+  std::size_t with_new_object(const SE3d& camera_object, const DetectorNoise& noise);
   bool branch(std::span<const Detection> detections, UpdateReport& report);
   void reduce(UpdateReport& report);
 

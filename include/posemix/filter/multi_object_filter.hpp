@@ -156,8 +156,9 @@ struct ObjectUpdateReport {
 /// and of its absence sum to one; every object with hypotheses has one that leads.
 ///
 /// All functions throw InvalidInput, and change nothing, as check_pose for a pose, as check_noise
-/// for a noise, and for a time step that is negative or beyond kLatestStamp. All that takes the
-/// index of an object or of a hypothesis throws InvalidInput when there is none at it.
+/// for a noise, for a camera or a prior more than 10 km from the origin of the world, and for a
+/// time step that is negative or beyond kLatestStamp. All that takes the index of an object or of a
+/// hypothesis throws InvalidInput when there is none at it.
 class MultiObjectFilter {
  public:
   /// @throws InvalidInput when a setting is out of range, as check_pose and check_variances for the

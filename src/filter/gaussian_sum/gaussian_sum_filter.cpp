@@ -14,6 +14,7 @@
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "posemix/lie/pose_checks.hpp"
+#include "scene_frame.hpp"
 
 namespace posemix {
 namespace {
@@ -175,7 +176,10 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settin
                                    settings_.cauchy_scale));
   }
   for (const auto& component : posterior_.components()) {
-    for (const SE3d& pose : component.density.mean().poses()) check_pose(pose, "filter: the prior");
+    for (const SE3d& pose : component.density.mean().poses()) {
+      check_pose(pose, "filter: the prior");
+      internal::require_near_origin(pose, internal::kFarthestGaussianSumScene, "filter: the prior");
+    }
     for (std::size_t i = 0; i < component.density.mean().size(); ++i)
       check_variances(block(component.density.covariance(), i, i), "filter: the prior");
   }
@@ -198,10 +202,34 @@ void GaussianSumFilter::check(std::span<const Detection> detections) const {
   if (settings_.noise_use == NoiseUse::joint && !detections.empty()) common_components(detections);
 }
 
+template <class Work>
+auto GaussianSumFilter::near_the_scene(const Work& work) {
+  const auto origin = internal::scene_origin(posterior_);
+  if (!origin) return work();
+  const auto move_by = [&](const Eigen::Vector3d& shift) {
+    auto hypotheses = std::move(posterior_).release();
+    internal::move_world(shift, settings_.first_object, hypotheses);
+    posterior_ = Posterior(std::move(hypotheses));
+  };
+  const Posterior before = posterior_;
+  try {
+    move_by(-*origin);
+    auto result = work();
+    move_by(*origin);
+    return result;
+  } catch (...) {
+    posterior_ = before;
+    throw;
+  }
+}
+
 UpdateReport GaussianSumFilter::update(std::span<const Detection> given) {
   check(given);
   const WhiteDetections white(given);
-  const std::span<const Detection> detections = white.detections();
+  return near_the_scene([&] { return updated_by(white.detections()); });
+}
+
+UpdateReport GaussianSumFilter::updated_by(std::span<const Detection> detections) {
   UpdateReport report;
   report.gated.assign(detections.size(), false);
   report.failed.assign(detections.size(), false);
@@ -274,6 +302,11 @@ std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const Detec
   check_pose(camera_object, "detection");
   check_precision(posterior_, kCamera, noise);
   if (!noise.is_white()) return add_object(camera_object, noise.as_white());
+  return near_the_scene([&] { return with_new_object(camera_object, noise); });
+}
+
+std::size_t GaussianSumFilter::with_new_object(const SE3d& camera_object,
+                                               const DetectorNoise& noise) {
   const std::size_t index = posterior_[0].density.mean().size();
   std::vector<Component<Hypothesis>> children;
   for (const auto& parent : posterior_.components()) {

@@ -49,16 +49,23 @@ constexpr double kMostVariance = 4.0;
 
 }  // namespace
 
-RegularFactor::RegularFactor(const MatrixXd& covariance) : factor(covariance) {
+RegularFactor::RegularFactor(const MatrixXd& covariance)
+    : unit_(covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()) {
   constexpr double kNearlySingular = 1e-13;
   constexpr double kLeastAdded = 1e-9;
+  MatrixXd correlation = unit_.asDiagonal() * covariance * unit_.asDiagonal();
+  correlation_.compute(correlation);
   for (double next = kLeastAdded; next < 1.0; next *= 10.0) {
-    if (factor.info() == Eigen::Success && factor.rcond() > kNearlySingular) return;
-    added = next;
-    MatrixXd regular = covariance;
-    regular.diagonal() *= 1.0 + added;
-    factor.compute(regular);
+    if (correlation_.info() == Eigen::Success && correlation_.rcond() > kNearlySingular) return;
+    added_ = next;
+    correlation.diagonal().setConstant(1.0 + added_);
+    correlation_.compute(correlation);
   }
+}
+
+MatrixXd RegularFactor::solve(const MatrixXd& columns) const {
+  const MatrixXd scaled = unit_.asDiagonal() * columns;
+  return unit_.asDiagonal() * correlation_.solve(scaled);
 }
 
 bool is_rotation(const Vector6d& moved, const Matrix6d& covariance) {

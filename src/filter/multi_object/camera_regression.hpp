@@ -8,14 +8,21 @@
 namespace posemix::internal {
 
 /// Cholesky factor of a covariance of which rounding may have left little: that of a map that is
-/// certain in itself and not of where it is. Where the covariance is nearly singular the variances
-/// are larger by a part `added` of themselves, 1e-9 if that is enough, which the caller adds to
-/// what it takes the factor of.
-struct RegularFactor {
+/// certain in itself and not of where it is. Where the correlations are nearly singular, whatever
+/// the units, the variances are larger by a part `added` of themselves, 1e-9 if that is enough,
+/// which the caller adds to what it takes the factor of.
+class RegularFactor {
+ public:
   explicit RegularFactor(const Eigen::MatrixXd& covariance);
 
-  Eigen::LLT<Eigen::MatrixXd> factor;
-  double added = 0.0;
+  /// P^-1 X.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& columns) const;
+  double added() const { return added_; }
+
+ private:
+  Eigen::VectorXd unit_;  ///< one over the standard deviations
+  Eigen::LLT<Eigen::MatrixXd> correlation_;
+  double added_ = 0.0;
 };
 
 /// Whether a pose that a regression moves, to this covariance, is still a pose: a regression on a

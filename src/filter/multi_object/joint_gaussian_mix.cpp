@@ -108,7 +108,7 @@ VectorXd JointGaussian::regressed_on(const std::vector<Index>& s, const VectorXd
   if (!r.empty()) {
     const MatrixXd after = covariance_s.topLeftCorner(own, own);
     const RegularFactor regular(before);
-    MatrixXd g = regular.factor.solve(covariance_(t, r)).transpose();
+    MatrixXd g = regular.solve(covariance_(t, r)).transpose();
     MatrixXd own_block = covariance_(r, r) + g * (after - before) * g.transpose();
     mean(r) = g * mean_s.head(own);
     if (!are_rotations(mean, own_block, r)) {
@@ -121,7 +121,7 @@ VectorXd JointGaussian::regressed_on(const std::vector<Index>& s, const VectorXd
     covariance_(r, s) = rows;
     covariance_(s, r) = rows.transpose();
     covariance_(r, r) = own_block;
-    covariance_.diagonal() *= 1.0 + regular.added;
+    covariance_.diagonal() *= 1.0 + regular.added();
   }
   covariance_(s, s) = covariance_s;
   symmetrize(covariance_);

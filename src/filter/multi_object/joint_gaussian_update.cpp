@@ -195,7 +195,7 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
   const MatrixXd b_js = b.middleRows(at, own)(Eigen::all, s);
   const MatrixXd before = b(s, s);
   const RegularFactor regular(before);
-  const MatrixXd g = regular.factor.solve(b_js.transpose()).transpose();
+  const MatrixXd g = regular.solve(b_js.transpose()).transpose();
   mean.segment(at, own) += g * shift;
   for (std::size_t i = 0; i < s.size(); ++i) mean(s[i]) += shift(static_cast<Index>(i));
   const MatrixXd row = g * b_s;
@@ -204,7 +204,7 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
   covariance_.middleCols(at, own)(s, Eigen::all) = row.transpose();
   covariance_.block(at, at, own, own) =
       b.block(at, at, own, own) + g * (b_s - before) * g.transpose();
-  covariance_.diagonal() *= 1.0 + regular.added;
+  covariance_.diagonal() *= 1.0 + regular.added();
   symmetrize(covariance_);
 }
 
@@ -285,8 +285,8 @@ void JointGaussian::project_near(std::size_t index, const Explanation& leading,
   const MatrixXd b_t = b(Eigen::all, t);
   const MatrixXd before = b_t(t, Eigen::all);
   const RegularFactor regular(before);
-  b.diagonal() *= 1.0 + regular.added;
-  const MatrixXd r = b_t * regular.factor.solve(MatrixXd(covariance_(t, pair)));
+  b.diagonal() *= 1.0 + regular.added();
+  const MatrixXd r = b_t * regular.solve(MatrixXd(covariance_(t, pair)));
   mean.noalias() += r * (w_a * apart);
   const MatrixXd left = r * m;
   b.triangularView<Eigen::Lower>() += left * r.transpose();

@@ -21,6 +21,7 @@ void check_step(double dt) { kTimeStep.check(dt, "dt"); }
 
 void check_density(const ConcentratedGaussian<SE3d>& density, const char* name) {
   check_pose(density.mean(), name);
+  require_near_origin(density.mean(), kFarthestScene, name);
   check_variances(density.covariance(), name);
 }
 
