@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "base/kept_matrices.hpp"
+#include "detections_of_frame.hpp"
 #include "filter/precision.hpp"
-#include "innovation_score.hpp"
-#include "posemix/base/statistics.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "posemix/lie/pose_checks.hpp"
 #include "scene_frame.hpp"
@@ -19,61 +17,7 @@
 namespace posemix {
 namespace {
 
-double gate_threshold(double probability) {
-  if (!(probability > 0.0 && probability <= 1.0)) {
-    throw InvalidInput(
-        fmt::format("gate probability is {}, expected a number in (0, 1]", probability));
-  }
-  if (probability == 1.0) return std::numeric_limits<double>::infinity();
-  return chi_square_quantile(probability, 6);
-}
-
-void check_detections(std::span<const Detection> detections, std::size_t poses) {
-  for (std::size_t i = 0; i < detections.size(); ++i) {
-    const std::size_t object = detections[i].object;
-    if (object == kCamera || object >= poses) {
-      throw InvalidInput(
-          fmt::format("detection of pose {}, expected an object in 1..{}", object, poses - 1));
-    }
-    check_pose(detections[i].camera_object, "detection");
-    for (std::size_t j = 0; j < i; ++j) {
-      if (detections[j].object == object) {
-        throw InvalidInput(fmt::format("object at pose {} is detected twice in one frame", object));
-      }
-    }
-  }
-}
-
-/// A pose before a detection may be no more uncertain than rounding allows.
-void check_precision(const Posterior& prior, std::size_t pose, const DetectorNoise& noise) {
-  const char* name = pose == kCamera ? "the pose of the camera" : "the pose of the object";
-  for (const auto& hypothesis : prior.components()) {
-    const Matrix6d covariance = block(hypothesis.density.covariance(), pose, pose);
-    for (const NoiseComponent& component : noise.components())
-      internal::require_precision(covariance, component.covariance, name);
-  }
-}
-
-/// The number of noise components that all detectors share, with the same weights (eq. 33).
-std::size_t common_components(std::span<const Detection> detections) {
-  const auto& first = detections.front().noise->components();
-  for (const Detection& detection : detections) {
-    if (detections.size() > 1 && detection.noise->clutter().weight > 0.0) {
-      throw InvalidInput("joint use of noise components: a noise model has clutter component");
-    }
-    const auto& other = detection.noise->components();
-    const bool same = std::equal(first.begin(), first.end(), other.begin(), other.end(),
-                                 [](const NoiseComponent& a, const NoiseComponent& b) {
-                                   return std::abs(a.weight - b.weight) < 1e-12;
-                                 });
-    if (!same) {
-      throw InvalidInput(
-          "joint use of noise components needs the same number of components with the same weights "
-          "for every object");
-    }
-  }
-  return first.size();
-}
+using namespace internal;
 
 /// One child of one hypothesis without a robust loss.
 UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detection> detections,
@@ -94,33 +38,14 @@ UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detec
   return cauchy_update(parent, detections, noise, update, {.scale = settings.cauchy_scale});
 }
 
-/// Detections with noise models that take successive errors for independent, as this filter does.
-class WhiteDetections {
- public:
-  explicit WhiteDetections(std::span<const Detection> given)
-      : detections_(given.begin(), given.end()) {
-    noise_.reserve(given.size());
-    for (Detection& detection : detections_) {
-      if (!detection.noise->is_white())
-        detection.noise = &noise_.emplace_back(detection.noise->as_white());
-    }
-  }
-  std::span<const Detection> detections() const { return detections_; }
-
- private:
-  std::vector<Detection> detections_;
-  std::vector<DetectorNoise> noise_;
-};
-
 Hypothesis copy_of(const Hypothesis& hypothesis) {
-  return Hypothesis::trusted(hypothesis.mean(), internal::kept_copy(hypothesis.covariance()));
+  return Hypothesis::trusted(hypothesis.mean(), kept_copy(hypothesis.covariance()));
 }
 
 /// The hypotheses become others; memory of those before goes to the next ones.
 void replace(Posterior& posterior, std::vector<Component<Hypothesis>> hypotheses) {
   Posterior before = std::exchange(posterior, Posterior(std::move(hypotheses)));
-  for (Component<Hypothesis>& one : std::move(before).release())
-    internal::reuse(std::move(one.density));
+  for (Component<Hypothesis>& one : std::move(before).release()) reuse(std::move(one.density));
 }
 
 /// Keeps only the child of the largest weight among those from index `first` on.
@@ -131,35 +56,6 @@ void keep_most_likely(std::vector<Component<Hypothesis>>& children, std::size_t 
   });
   std::iter_swap(begin, best);
   children.erase(begin + 1, children.end());
-}
-
-/// z^T S^-1 z of the heaviest hypothesis under the noise component that explains a detection best.
-std::optional<double> nis_of(const Posterior& posterior, const Detection& detection) {
-  const auto& hypotheses = posterior.components();
-  const auto heaviest =
-      std::max_element(hypotheses.begin(), hypotheses.end(),
-                       [](const auto& a, const auto& b) { return a.log_weight < b.log_weight; });
-  std::optional<double> nis;
-  double most = -std::numeric_limits<double>::infinity();
-  for (const NoiseComponent& noise : detection.noise->components()) {
-    const internal::InnovationScore score =
-        internal::innovation_score(heaviest->density, detection, noise);
-    const double weighed = std::log(noise.weight) + score.log_likelihood;
-    if (!(weighed > most)) continue;
-    most = weighed;
-    nis = score.squared;
-  }
-  return nis;
-}
-
-/// True when the detection is beyond the threshold for every hypothesis and noise component.
-bool is_outlier(const Posterior& posterior, const Detection& detection, double threshold) {
-  for (const auto& hypothesis : posterior.components()) {
-    for (const NoiseComponent& noise : detection.noise->components()) {
-      if (squared_mahalanobis(hypothesis.density, detection, noise) <= threshold) return false;
-    }
-  }
-  return true;
 }
 
 }  // namespace
@@ -178,7 +74,7 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settin
   for (const auto& component : posterior_.components()) {
     for (const SE3d& pose : component.density.mean().poses()) {
       check_pose(pose, "filter: the prior");
-      internal::require_near_origin(pose, internal::kFarthestGaussianSumScene, "filter: the prior");
+      require_near_origin(pose, kFarthestGaussianSumScene, "filter: the prior");
     }
     for (std::size_t i = 0; i < component.density.mean().size(); ++i)
       check_variances(block(component.density.covariance(), i, i), "filter: the prior");
@@ -204,11 +100,11 @@ void GaussianSumFilter::check(std::span<const Detection> detections) const {
 
 template <class Work>
 auto GaussianSumFilter::near_the_scene(const Work& work) {
-  const auto origin = internal::scene_origin(posterior_);
+  const auto origin = scene_origin(posterior_);
   if (!origin) return work();
   const auto move_by = [&](const Eigen::Vector3d& shift) {
     auto hypotheses = std::move(posterior_).release();
-    internal::move_world(shift, settings_.first_object, hypotheses);
+    move_world(shift, settings_.first_object, hypotheses);
     posterior_ = Posterior(std::move(hypotheses));
   };
   const Posterior before = posterior_;
