@@ -156,8 +156,11 @@ TEST(Forget, AllElseStaysAsItIs) {
   const MultiObjectSlam before = slam;
   const std::size_t poses = slam.estimate().mean().size();
   for (const char* id : {"box", "hand", "nut-2", "tray", "lid"}) slam.forget(at(id));
-  EXPECT_EQ(slam.filter().camera().mean().matrix(), before.filter().camera().mean().matrix());
-  EXPECT_EQ(slam.filter().camera().covariance(), before.filter().camera().covariance());
+  // A global hypothesis of the weight e^-323 goes with the box: sums have one term less.
+  const auto camera = slam.filter().camera();
+  const auto camera_before = before.filter().camera();
+  EXPECT_LT((camera.mean().matrix() - camera_before.mean().matrix()).norm(), 1e-15);
+  EXPECT_LT((camera.covariance() - camera_before.covariance()).norm(), 1e-18);
   EXPECT_EQ(slam.estimated_cameras()[1].covariance, before.estimated_cameras()[1].covariance);
   int followers = 0;
   for (const char* id : {"mug", "bottle", "nut-1", "shelf", "tool"}) {
