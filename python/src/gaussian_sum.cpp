@@ -108,7 +108,7 @@ settings : GaussianSumSettings, optional
 Raises
 ------
 ValueError
-    When a setting is out of range.
+    When a setting is out of range, or a pose of the prior more than 100 km from the origin.
 
 References
 ----------
