@@ -32,8 +32,8 @@ Raises
 ------
 ValueError
     When a setting is out of range, a standard deviation of the camera or of a prior more than 3e6
-    times that of a noise, or a start, a prior or a camera that is given more than 10 km from the
-    origin; predictions and updates also, and change nothing, when an argument is not finite or a
+    times that of a noise, or a pose so far from the origin that rounding leaves nothing of its
+    covariance; predictions and updates also, and change nothing, when an argument is not finite or a
     variance or a time step negative.
 
 Examples

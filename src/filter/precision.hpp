@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/cholesky6.hpp"
+#include "filter/world_shift.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/linear.hpp"
 #include "posemix/lie/lie.hpp"
@@ -34,21 +36,34 @@ inline void require_precision(const Matrix6d& predicted, const Matrix6d& noise,
   }
 }
 
-/// Errors are turns about the origin of the world: far from it, those of millimetres are lost in
-/// the rounding of those of a degree. Up to these distances [m] the results are those near the
-/// origin.
-inline constexpr double kFarthestScene = 1e4;             ///< of MultiObjectFilter
-inline constexpr double kFarthestGaussianSumScene = 1e5;  ///< of GaussianSumFilter
+/// Farther from the origin a prior of GaussianSumFilter is refused [m].
+inline constexpr double kFarthestPrior = 1e5;
 
-/// @throws InvalidInput when a pose of a camera or an object is farther from the origin of the
-/// world than `farthest` [m]. `name` begins the message.
-inline void require_near_origin(const SE3d& pose, double farthest, std::string_view name) {
+/// @throws InvalidInput when a pose is farther from the origin of the world than kFarthestPrior.
+/// `name` begins the message.
+inline void require_near_origin(const SE3d& pose, std::string_view name) {
   const double distance = pose.translation().norm();
-  if (!(distance > farthest)) return;
+  if (!(distance > kFarthestPrior)) return;
   throw InvalidInput(
       fmt::format("{} is {:.3g} km from the origin of the world; expected at most {:g} km, up to "
                   "which double precision holds its errors: put the origin near the scene",
-                  name, distance / 1000.0, farthest / 1000.0));
+                  name, distance / 1000.0, kFarthestPrior / 1000.0));
+}
+
+/// @throws InvalidInput when rounding leaves nothing of the errors of a pose that is far from the
+/// origin of the world. `name` begins the message.
+inline void require_precise(const ConcentratedGaussian<SE3d>& pose, std::string_view name) {
+  const double distance = pose.mean().translation().norm();
+  if (!(distance > kFarFromOrigin_m)) return;
+  const auto there = seen_from_near(pose);
+  const double stated = pose.covariance().diagonal().tail<3>().maxCoeff();
+  const double left = there.covariance().diagonal().tail<3>().minCoeff();
+  if (left * kLargestVarianceRatio > stated && Cholesky6(there.covariance()).ok()) return;
+  throw InvalidInput(fmt::format(
+      "{} is {:.3g} km from the origin of the world, where double precision holds no covariance of "
+      "it that has a standard deviation of {:.3g} m; expected a world whose origin is near the "
+      "scene",
+      name, distance / 1000.0, std::sqrt(stated)));
 }
 
 }  // namespace posemix::internal

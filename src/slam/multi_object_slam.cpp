@@ -64,9 +64,9 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
   require_alike_in_class(objects);
   require_valid(settings.cameras);
   internal::gates_of(settings.association);
+  const Matrix6d near = internal::seen_from_near(camera).covariance();
   if (settings.on_sight) {
-    internal::require_precision(camera.covariance(), sensor_of(*settings.on_sight),
-                                "the pose of the camera");
+    internal::require_precision(near, sensor_of(*settings.on_sight), "the pose of the camera");
   }
   MultiObjectSettings filter = settings.filter;
   filter.has_odometry = motion.model == MotionModel::odometry || motion.model == MotionModel::still;
@@ -76,7 +76,7 @@ MultiObjectFilter make_filter(const PoseDensity& camera, const std::vector<Objec
     if (!one.is_exact()) made.add_camera(one.prior());
   for (const ObjectModel& object : objects) {
     try {
-      internal::require_precision(camera.covariance(), sensor_of(object), "the pose of the camera");
+      internal::require_precision(near, sensor_of(object), "the pose of the camera");
       add_to(made, object);
     } catch (const InvalidInput& error) {
       throw InvalidInput(fmt::format("object '{}': {}", object.id, error.what()));
@@ -156,6 +156,7 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   std::vector<Seen> sightings = sightings_of(input, report);
   for (const std::string& image : input.images) check_image(image);
   const auto moved = camera_step_of(motion_, is_first, input);
+  if (input.camera) check_camera(*input.camera);
   objects_.begin(input);
   forget_deleted();
   tracks_.begin(input.dt);
@@ -187,6 +188,12 @@ FrameEstimate MultiObjectSlam::step(const FrameInput& input) {
   update_tracks(estimate);
   estimate.report.seconds = frame.seconds();
   return estimate;
+}
+
+void MultiObjectSlam::check_camera(const SE3d& world_camera) const {
+  if (motion_.model != MotionModel::given) return;
+  const Matrix6d covariance = world_camera.adjoint_congruence(motion_.noise.covariance);
+  internal::require_precise(PoseDensity::trusted(world_camera, covariance), "pose of the camera");
 }
 
 std::vector<MultiObjectSlam::Seen> MultiObjectSlam::sightings_of(const FrameInput& input,

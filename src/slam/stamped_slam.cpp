@@ -182,6 +182,7 @@ StampAdmission StampedSlam::add_odometry(double stamp_s, const SE3d& odom_body) 
   require(odom_body.matrix().allFinite() &&
               odom_body.translation().cwiseAbs().maxCoeff() <= kFarthestOdometry,
           "the pose of the odometry is not finite, or is beyond 2.5e7 m");
+  now_.slam.check_camera(odom_body);
   const StampAdmission admission = admit(stamp_s);
   if (admission == StampAdmission::too_late) {
     ++counts_.too_late;

@@ -112,7 +112,8 @@ TEST_F(ManyLandmarks, PassiveOnesAreThoseOfTheDenseFilter) {
   GlobalHypotheses compressed = filter_of(one_mode(false, false), plain_settings(), kFew);
   run(dense, compressed, 300, 0.0);
   const auto joint = compressed.joint();
-  const auto estimates = compressed.summary().leading_estimates();
+  const auto estimates =
+      compressed.summary().leading_estimates(internal::WorldShift(Eigen::Vector3d::Zero()));
   for (std::size_t j = 0; j < estimates.size(); ++j) {
     const auto index = compressed.summary().objects[j].belief.pose_index();
     ASSERT_TRUE(index && estimates[j]);

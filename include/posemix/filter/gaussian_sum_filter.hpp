@@ -138,9 +138,10 @@ class GaussianSumFilter {
   Hypothesis summarise() const;
 
  private:
-  /// Does this with the origin of the world near the scene, and puts it back.
-  template <class Work>
-  auto near_the_scene(const Work& work);
+  /// Does this with the origin of the world near the scene, and puts it back; all stays as it was
+  /// where the result says that nothing has changed.
+  template <class Work, class Changed>
+  auto near_the_scene(const Work& work, const Changed& has_changed);
   UpdateReport updated_by(std::span<const Detection> detections);
   std::size_t with_new_object(const SE3d& camera_object, const DetectorNoise& noise);
   bool branch(std::span<const Detection> detections, UpdateReport& report);

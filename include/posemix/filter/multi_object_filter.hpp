@@ -155,10 +155,12 @@ struct ObjectUpdateReport {
 /// Invariants: covariances are symmetric positive definite; the weights of an object's hypotheses
 /// and of its absence sum to one; every object with hypotheses has one that leads.
 ///
+/// The origin of the world may be anywhere: all is computed near the camera.
+///
 /// All functions throw InvalidInput, and change nothing, as check_pose for a pose, as check_noise
-/// for a noise, for a camera or a prior more than 10 km from the origin of the world, and for a
-/// time step that is negative or beyond kLatestStamp. All that takes the index of an object or of a
-/// hypothesis throws InvalidInput when there is none at it.
+/// for a noise, for a density so far from the origin that rounding leaves nothing of its
+/// covariance, and for a time step that is negative or beyond kLatestStamp. All that takes the
+/// index of an object or of a hypothesis throws InvalidInput when there is none at it.
 class MultiObjectFilter {
  public:
   /// @throws InvalidInput when a setting is out of range, as check_pose and check_variances for the

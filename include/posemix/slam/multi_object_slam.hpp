@@ -65,6 +65,11 @@ class MultiObjectSlam {
                   bool record_hypotheses = false);
 
   FrameEstimate step(const FrameInput& input);
+  /// What is asked of a pose of the camera that is given, FrameInput::camera; anything goes under
+  /// another motion model.
+  /// @throws InvalidInput when it is so far from the origin of the world that rounding leaves
+  /// nothing of its errors
+  void check_camera(const SE3d& world_camera) const;
 
   /// One more object from the next frame on, such as one of an old map whose place is known by now
   /// (posemix::relocalise). Returns its index.

@@ -101,8 +101,9 @@ class StampedSlam {
   /// not known, or whose stamp has jumped
   StampAdmission add(const Observation& observation);
   /// T_odom_body at a time; under the motion model `given` T_world_body.
-  /// @throws InvalidInput, and changes nothing, for a pose that is not finite or beyond 2.5e7 m, a
-  /// stamp that has jumped or has another pose already, and under a motion model without odometry
+  /// @throws InvalidInput, and changes nothing, for a pose that is not finite or beyond 2.5e7 m, or
+  /// as MultiObjectSlam::check_camera, a stamp that has jumped or has another pose already, and
+  /// under a motion model without odometry
   StampAdmission add_odometry(double stamp_s, const SE3d& odom_body);
 
   /// An image at a time of the camera with this name in which nothing was detected: what should be

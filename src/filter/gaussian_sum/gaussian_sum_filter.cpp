@@ -74,7 +74,7 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settin
   for (const auto& component : posterior_.components()) {
     for (const SE3d& pose : component.density.mean().poses()) {
       check_pose(pose, "filter: the prior");
-      require_near_origin(pose, kFarthestGaussianSumScene, "filter: the prior");
+      require_near_origin(pose, "filter: the prior");
     }
     for (std::size_t i = 0; i < component.density.mean().size(); ++i)
       check_variances(block(component.density.covariance(), i, i), "filter: the prior");
@@ -98,20 +98,26 @@ void GaussianSumFilter::check(std::span<const Detection> detections) const {
   if (settings_.noise_use == NoiseUse::joint && !detections.empty()) common_components(detections);
 }
 
-template <class Work>
-auto GaussianSumFilter::near_the_scene(const Work& work) {
+template <class Work, class Changed>
+auto GaussianSumFilter::near_the_scene(const Work& work, const Changed& has_changed) {
   const auto origin = scene_origin(posterior_);
   if (!origin) return work();
-  const auto move_by = [&](const Eigen::Vector3d& shift) {
+  const auto move_by = [&](const WorldShift& shift) {
     auto hypotheses = std::move(posterior_).release();
     move_world(shift, settings_.first_object, hypotheses);
     posterior_ = Posterior(std::move(hypotheses));
   };
   const Posterior before = posterior_;
   try {
-    move_by(-*origin);
+    const WorldShift to_world(*origin);
+    move_by(to_world.inverse());
     auto result = work();
-    move_by(*origin);
+    // A round trip costs digits.
+    if (has_changed(result)) {
+      move_by(to_world);
+    } else {
+      posterior_ = before;
+    }
     return result;
   } catch (...) {
     posterior_ = before;
@@ -122,7 +128,8 @@ auto GaussianSumFilter::near_the_scene(const Work& work) {
 UpdateReport GaussianSumFilter::update(std::span<const Detection> given) {
   check(given);
   const WhiteDetections white(given);
-  return near_the_scene([&] { return updated_by(white.detections()); });
+  return near_the_scene([&] { return updated_by(white.detections()); },
+                        [](const UpdateReport& report) { return !report.reductions.empty(); });
 }
 
 UpdateReport GaussianSumFilter::updated_by(std::span<const Detection> detections) {
@@ -198,7 +205,8 @@ std::size_t GaussianSumFilter::add_object(const SE3d& camera_object, const Detec
   check_pose(camera_object, "detection");
   check_precision(posterior_, kCamera, noise);
   if (!noise.is_white()) return add_object(camera_object, noise.as_white());
-  return near_the_scene([&] { return with_new_object(camera_object, noise); });
+  return near_the_scene([&] { return with_new_object(camera_object, noise); },
+                        [](std::size_t) { return true; });
 }
 
 std::size_t GaussianSumFilter::with_new_object(const SE3d& camera_object,

@@ -18,19 +18,16 @@ std::optional<Eigen::Vector3d> scene_origin(const Posterior& posterior) {
   return camera;
 }
 
-void move_world(const Eigen::Vector3d& shift, std::size_t first_object,
+void move_world(const WorldShift& shift, std::size_t first_object,
                 std::vector<Component<Hypothesis>>& hypotheses) {
-  const Eigen::Matrix3d lever = SO3d::hat(shift);
   for (Component<Hypothesis>& hypothesis : hypotheses) {
     auto [mean, covariance] = std::move(hypothesis.density).release();
     std::vector<SE3d> poses = mean.poses();
     for (std::size_t i = 0; i < poses.size(); ++i) {
       if (i > kCamera && i < first_object) continue;
-      poses[i] = SE3d(poses[i].rotation(), poses[i].translation() + shift);
-      // Ad(T) = [1 0; t^ 1] for a translation.
-      const Eigen::Index at = offset(i);
-      covariance.middleRows<3>(at + 3) += lever * covariance.middleRows<3>(at);
-      covariance.middleCols<3>(at + 3) += covariance.middleCols<3>(at) * lever.transpose();
+      poses[i] = shift(poses[i]);
+      shift.move_rows(rows(covariance, i));
+      shift.move_columns(columns(covariance, i));
     }
     symmetrize(covariance);
     hypothesis.density = Hypothesis::trusted(PoseStackd(std::move(poses)), std::move(covariance));

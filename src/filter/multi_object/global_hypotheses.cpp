@@ -53,7 +53,10 @@ LogTotals normalise_pair(LogTotals& a, LogTotals& b) {
   return total;
 }
 
-GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial) { list_.push_back({initial}); }
+GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial, const Eigen::Vector3d& origin)
+    : origin_(origin) {
+  list_.push_back({initial});
+}
 
 /// The state that would lose most by one camera for all hypotheses of object `j` is split, until
 /// none would lose much.
@@ -167,7 +170,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   reduce();
   take_out_world_error();
   share_next_id();
-  reset_reports();
+  stay_near_the_origin();
   const auto leads = leading_id(j);
   report.changed_leader = leads && leads != led;
   return report;
@@ -305,7 +308,7 @@ const MultiObjectState& GlobalHypotheses::summary() const {
 const ConcentratedGaussian<PoseStackd>& GlobalHypotheses::joint() const {
   const MultiObjectState& all = summary();
   const std::lock_guard lock(mutex_);
-  if (!joint_) joint_ = all.reported_joint();
+  if (!joint_) joint_ = all.reported_joint(to_world());
   return *joint_;
 }
 

@@ -13,6 +13,9 @@
 
 namespace posemix::internal {
 
+/// Where a world has its origin that had it at `origin` and has its camera there.
+Eigen::Vector3d origin_near(const Eigen::Vector3d& camera, const Eigen::Vector3d& origin);
+
 /// The weights of two cases divided by their sum, which is returned.
 LogTotals normalise_pair(LogTotals& a, LogTotals& b);
 
@@ -28,19 +31,28 @@ LogTotals normalise_pair(LogTotals& a, LogTotals& b);
 /// all states.
 class GlobalHypotheses {
  public:
-  explicit GlobalHypotheses(const MultiObjectState& initial);
+  /// `origin` is that of the state's world, in that of the caller [m].
+  explicit GlobalHypotheses(const MultiObjectState& initial,
+                            const Eigen::Vector3d& origin = Eigen::Vector3d::Zero());
 
   /// A copy makes its own summary.
-  GlobalHypotheses(const GlobalHypotheses& other) : list_(other.list_) {}
+  GlobalHypotheses(const GlobalHypotheses& other) : list_(other.list_), origin_(other.origin_) {}
   GlobalHypotheses(GlobalHypotheses&&) = delete;
   GlobalHypotheses& operator=(const GlobalHypotheses&) = delete;
   GlobalHypotheses& operator=(GlobalHypotheses&&) = delete;
   ~GlobalHypotheses() = default;
 
+  /// From the world of all states, whose origin is near the camera, to that of the caller.
+  WorldShift to_world() const { return WorldShift(origin_); }
+  /// The origin that the world of the states should have for a camera of this pose, in the world
+  /// of the caller.
+  Eigen::Vector3d origin_for(const SE3d& camera) const;
+  void move_origin_to(const Eigen::Vector3d& origin);
   /// The mixture of all states as one: the first state, with the hypotheses of the others. It is
   /// made when it is first asked for, which threads may do at the same time.
   const MultiObjectState& summary() const;
-  /// The joint Gaussian of camera and leading hypotheses as it is reported, made likewise.
+  /// The joint Gaussian of camera and leading hypotheses as it is reported, in the world of the
+  /// caller, made likewise.
   const ConcentratedGaussian<PoseStackd>& joint() const;
   /// The first state: settings, detectors and extrinsics are as many in all.
   const MultiObjectState& first() const { return list_.front().state; }
@@ -51,16 +63,16 @@ class GlobalHypotheses {
   template <class Predict>
   void for_each(Predict predict) {
     for (Weighted& one : list_) predict(one.state);
-    reset_reports();
+    stay_near_the_origin();
   }
   /// One observation of object `j`.
   ObjectUpdateReport update(std::size_t j, const Observation& observation,
                             const ObservationSource& source);
   void forget(std::size_t j);
 
-  /// The camera's density, a component for each state.
+  /// The camera's density in the world of the caller, a component for each state.
   Mixture<ConcentratedGaussian<SE3d>> camera() const;
-  /// The density of an object, given that it was detected: a component for each of its hypotheses
+  /// The same of an object, given that it was detected: a component for each of its hypotheses
   /// in each state. Object `j` must have a hypothesis.
   Mixture<ConcentratedGaussian<SE3d>> object(std::size_t j) const;
 
@@ -82,6 +94,9 @@ class GlobalHypotheses {
   std::vector<bool> objects_kept(std::size_t j) const;
   /// All states get the base of the first one, and the same active objects.
   void rebase(const std::vector<bool>& kept);
+  /// The world of the states gets its origin at the camera where that is far from it. Reports are
+  /// made anew.
+  void stay_near_the_origin();
   void reset_reports();
   void split(std::size_t j, std::vector<ObservedDetection>& observed, const Starters& may_start);
   /// States whose camera would be in several places, by components of the observation, are split by
@@ -107,6 +122,7 @@ class GlobalHypotheses {
   MultiObjectState mixed() const;
 
   std::vector<Weighted> list_;
+  Eigen::Vector3d origin_;  ///< of their world, in that of the caller [m]
   mutable std::mutex mutex_;
   mutable std::optional<MultiObjectState> summary_;                ///< where it was asked for
   mutable std::optional<ConcentratedGaussian<PoseStackd>> joint_;  ///< the same

@@ -36,7 +36,7 @@ Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::camera() const {
   std::vector<Component<ConcentratedGaussian<SE3d>>> components;
   components.reserve(list_.size());
   for (const Weighted& one : list_) {
-    components.push_back({one.log.weight, one.state.reported_camera()});
+    components.push_back({one.log.weight, to_world()(one.state.reported_camera())});
   }
   return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
 }
@@ -49,8 +49,8 @@ Mixture<ConcentratedGaussian<SE3d>> GlobalHypotheses::object(std::size_t j) cons
       const DetectionState state = one.state.reported(object, h);
       components.push_back(
           {one.log.weight + object.belief.standing(h).log_weight,
-           ConcentratedGaussian<SE3d>::trusted(
-               state.object, state.covariance.block<6, 6>(kObjectRow, kObjectRow))});
+           to_world()(ConcentratedGaussian<SE3d>::trusted(
+               state.object, state.covariance.block<6, 6>(kObjectRow, kObjectRow)))});
     }
   }
   return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));

@@ -12,14 +12,6 @@ namespace posemix::internal {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-namespace {
-
-/// Farther from the origin a rotation moves the camera by so much that differences of covariances
-/// lose their digits [m].
-constexpr double kFarthest_m = 100.0;
-
-}  // namespace
-
 void move(ConditionalPose& object, const Vector12d& by) {
   object.pose = SE3d::exp(by.head<6>()) * object.pose;
   if (object.slow) *object.slow += by.tail<6>();
@@ -69,7 +61,7 @@ MatrixXd JointGaussian::rows_of(std::size_t index) {
 }
 
 std::optional<Matrix6d> JointGaussian::world_information(const std::vector<Matrix6d>& moved) const {
-  if (active() < size() || pose(kCamera).translation().norm() > kFarthest_m) return std::nullopt;
+  if (active() < size()) return std::nullopt;
   MatrixXd b = covariance_;
   if (!factor_in_place(b)) return std::nullopt;
   MatrixXd whitened = MatrixXd::Zero(kPoseDof, b.rows());  // N^T L^-T

@@ -3,12 +3,15 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
 #include "detection_update.hpp"
+#include "filter/world_shift.hpp"
 #include "posemix/base/state_fields.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/filter/update.hpp"
@@ -75,6 +78,17 @@ Eigen::MatrixXd regression_on_rig(const ConditionalPose& object, const Eigen::Ma
 
 /// Six columns of a covariance.
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;
+
+/// Bases and the columns of carriers that joint Gaussians share, before and after a move of the
+/// world.
+struct MovedBases {
+  template <class Matrix>
+  using Pair = std::pair<std::shared_ptr<const Matrix>, std::shared_ptr<const Matrix>>;
+
+  std::map<const Eigen::MatrixXd*, std::set<Eigen::Index>> pose_rows;  ///< of each base
+  std::vector<Pair<Eigen::MatrixXd>> bases = {};
+  std::vector<Pair<SixColumns>> columns = {};
+};
 
 /// The joint Gaussian of the camera (block 0), the poses of cameras on it that are estimated, the
 /// extrinsics (blocks 1, 2, ...), its motion where that is estimated, and for every
@@ -144,13 +158,17 @@ class JointGaussian {
   // --- the error of the world, a shift that moves the block at every index by a factor `moved`
 
   /// Eq. (31): its information W^-1 = N^T B^-1 N, where N has these factors. None with passive
-  /// blocks, where the covariance is numerically not positive definite, and for a camera far from
-  /// the origin.
+  /// blocks, and where the covariance is numerically not positive definite.
   std::optional<Matrix6d> world_information(const std::vector<Matrix6d>& moved) const;
   /// B <- B - N D N^T, with all blocks active.
   void take_out(const Matrix6d& d, const std::vector<Matrix6d>& moved);
   /// Adds the covariance of an independent shift to all poses in the world.
   void add_world_error(const Matrix6d& shift);
+
+  /// The origin of the world moves. `shared` is that of all that share a base.
+  void move_world(const WorldShift& shift, MovedBases& shared);
+  /// Adds the rows of passive poses to those of the base.
+  void add_passive_rows(MovedBases& shared) const;
 
   /// Appends an object that depends on the rest through the camera alone. Returns its index.
   std::size_t append(const ConditionalPose& object);

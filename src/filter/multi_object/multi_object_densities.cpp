@@ -116,7 +116,17 @@ JointState MultiObjectFilter::joint_state(
   }
   order.insert(order.end(), slow.begin(), slow.end());
   all.add_world_error(current().world_error);
-  return marginal_of(all, order);
+  JointState state = marginal_of(all, order);
+  const WorldShift to_world = hypotheses_of_all().to_world();
+  std::vector<SE3d> poses = state.poses.poses();
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (!all.is_in_world(order[i])) continue;
+    poses[i] = to_world(poses[i]);
+    to_world.move_rows(rows(state.covariance, i));
+    to_world.move_columns(columns(state.covariance, i));
+  }
+  state.poses = PoseStackd(std::move(poses));
+  return state;
 }
 
 }  // namespace posemix

@@ -21,19 +21,21 @@ void check_step(double dt) { kTimeStep.check(dt, "dt"); }
 
 void check_density(const ConcentratedGaussian<SE3d>& density, const char* name) {
   check_pose(density.mean(), name);
-  require_near_origin(density.mean(), kFarthestScene, name);
   check_variances(density.covariance(), name);
+  require_precise(density, name);
 }
 
 }  // namespace
 
 MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                                      const std::vector<ObjectSensor>& objects,
-                                     const MultiObjectSettings& settings)
-    : state_(std::make_unique<GlobalHypotheses>(MultiObjectState(camera, objects, settings))) {
+                                     const MultiObjectSettings& settings) {
   check_density(camera, "pose of the camera");
+  const Eigen::Vector3d origin = origin_near(camera.mean().translation(), Eigen::Vector3d::Zero());
+  const auto near = WorldShift(-origin)(camera);
+  state_ = std::make_unique<GlobalHypotheses>(MultiObjectState(near, objects, settings), origin);
   for (const ObjectSensor& object : objects)
-    require_precision(camera.covariance(), object, "the pose of the camera");
+    require_precision(near.covariance(), object, "the pose of the camera");
 }
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
@@ -89,7 +91,10 @@ void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camer
   check_step(dt);
   // The constructor checks the covariance.
   const ConcentratedGaussian<SE3d> camera(world_camera.mean(), world_camera.covariance());
-  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.set_camera(camera, dt); });
+  const Eigen::Vector3d origin = hypotheses_of_all().origin_for(camera.mean());
+  const auto near = WorldShift(-origin)(camera);
+  hypotheses_of_all().move_origin_to(origin);
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.set_camera(near, dt); });
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
@@ -133,16 +138,18 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::extrinsic(std::size_t camera) cons
 std::size_t MultiObjectFilter::add_object(ObjectSensor object,
                                           const std::optional<ObjectPrior>& prior,
                                           const std::optional<PutDownMotion>& motion) {
+  std::optional<ObjectPrior> near = prior;
   if (prior) {
     check_density(prior->world, "the prior");
-    require_precision(prior->world.covariance(), object, "the prior");
+    near->world = hypotheses_of_all().to_world().inverse()(prior->world);
+    require_precision(near->world.covariance(), object, "the prior");
     if (!(prior->probability > 0.0 && prior->probability <= 1.0)) {
       throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
                                      prior->probability));
     }
   }
   if (motion) validate(*motion);
-  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, prior, motion); });
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, near, motion); });
   return object_count() - 1;
 }
 
@@ -157,7 +164,9 @@ Vector6d MultiObjectFilter::noise_scale(std::size_t object) const {
   return sensor(object).noise_scale;
 }
 
-ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const { return current().reported_camera(); }
+ConcentratedGaussian<SE3d> MultiObjectFilter::camera() const {
+  return hypotheses_of_all().to_world()(current().reported_camera());
+}
 
 Mixture<ConcentratedGaussian<SE3d>> MultiObjectFilter::camera_mixture() const {
   return hypotheses_of_all().camera();
@@ -174,13 +183,14 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
   require_object(object, object_count());
   const TrackedObject& tracked = current().objects[object];
   const std::vector<double> probabilities = tracked.belief.probabilities();
+  const WorldShift to_world = hypotheses_of_all().to_world();
   std::vector<ObjectHypothesis> list;
   for (std::size_t h = 0; h < tracked.belief.size(); ++h) {
     const Standing& standing = tracked.belief.standing(h);
     const DetectionState state = current().reported(tracked, h);
-    list.push_back({.pose = state.object,
-                    .covariance = state.covariance.block<6, 6>(kObjectRow, kObjectRow),
-                    .cross_covariance = state.covariance.block<6, 6>(kObjectRow, 0),
+    list.push_back({.pose = to_world(state.object),
+                    .covariance = to_world(state.covariance.block<6, 6>(kObjectRow, kObjectRow)),
+                    .cross_covariance = to_world(state.covariance.block<6, 6>(kObjectRow, 0)),
                     .log_weight = standing.log_weight,
                     .probability = probabilities[h],
                     .score = standing.score,
@@ -192,7 +202,7 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
 
 std::vector<HypothesisMean> MultiObjectFilter::hypothesis_means(std::size_t object) const {
   require_object(object, object_count());
-  return current().hypothesis_means(current().objects[object]);
+  return current().hypothesis_means(current().objects[object], hypotheses_of_all().to_world());
 }
 
 std::optional<std::size_t> MultiObjectFilter::leading(std::size_t object) const {
@@ -216,7 +226,7 @@ bool MultiObjectFilter::is_known(std::size_t object) const {
 }
 
 std::vector<std::optional<LeadingEstimate>> MultiObjectFilter::leading_estimates() const {
-  return current().leading_estimates();
+  return current().leading_estimates(hypotheses_of_all().to_world());
 }
 
 std::optional<std::size_t> MultiObjectFilter::pose_index(std::size_t object) const {

@@ -93,6 +93,8 @@ struct MultiObjectState {
   std::optional<Matrix6d> world_information() const;
   /// ObjectBelief::world_information_beyond() of all objects.
   std::vector<Matrix6d> world_information_beyond(const Matrix6d& inverse) const;
+  /// The origin of the world moves.
+  void move_world(const WorldShift& shift, MovedBases& shared);
   /// A part of the error of the world leaves camera and objects.
   void take_out_world_error(const WorldPart& part);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
@@ -103,11 +105,12 @@ struct MultiObjectState {
   /// A hypothesis of an object as it is reported: with the error that all detections have in common
   /// and any angle about an axis of symmetry.
   DetectionState reported(const TrackedObject& object, std::size_t h) const;
-  /// The joint Gaussian of camera and leading hypotheses as it is reported.
-  ConcentratedGaussian<PoseStackd> reported_joint() const;
-  std::vector<HypothesisMean> hypothesis_means(const TrackedObject& object) const;
+  /// The joint Gaussian of camera and leading hypotheses as it is reported, in another world.
+  ConcentratedGaussian<PoseStackd> reported_joint(const WorldShift& to_world) const;
+  std::vector<HypothesisMean> hypothesis_means(const TrackedObject& object,
+                                               const WorldShift& to_world) const;
   /// The leading hypothesis of every object as it is reported.
-  std::vector<std::optional<LeadingEstimate>> leading_estimates() const;
+  std::vector<std::optional<LeadingEstimate>> leading_estimates(const WorldShift& to_world) const;
   /// What a report adds to the covariance of an object at `pose`, world frame.
   static Matrix6d unseen_covariance(const TrackedObject& object, const SE3d& pose);
   /// Whether the gain of a detection is damped: with odometry, for a detector of which only what is

@@ -154,6 +154,8 @@ class ObjectBelief {
   /// before.
   void take_out_world_error(const WorldPart& part, const CameraMoments& camera,
                             const SymmetryGroup& symmetries);
+  /// The origin of the world moves.
+  void move_world(const WorldShift& shift);
   /// Alternatives become independent of the camera.
   void release_camera();
   /// Adds P_OC times `factor` to P_OC of every alternative; with extrinsics, [P_OC P_OE ...] times

@@ -250,15 +250,16 @@ template <>
 struct StateFields<GlobalHypotheses> {
   static GlobalHypotheses blank() { return GlobalHypotheses(blank_state<MultiObjectState>()); }
   static auto tie(auto& x) {
-    auto& [list, mutex, summary, joint] = x;
+    auto& [list, origin, mutex, summary, joint] = x;
     // The others are made from the list when they are asked for.
     static_cast<void>(mutex);
     static_cast<void>(summary);
     static_cast<void>(joint);
-    return std::tie(list);
+    return std::tie(list, origin);
   }
   static void validate(const GlobalHypotheses& x) {
     require_state(!x.list_.empty(), "a global hypothesis");
+    require_state(x.origin_.allFinite(), "an origin that is finite");
     const MultiObjectState& first = x.first();
     for (const auto& [state, log] : x.list_) {
       require_state(!std::isnan(log.weight) && !std::isnan(log.probability),

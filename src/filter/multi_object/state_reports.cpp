@@ -46,7 +46,8 @@ DetectionState MultiObjectState::reported(const TrackedObject& object, std::size
   return state;
 }
 
-ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
+ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint(
+    const WorldShift& to_world) const {
   const Eigen::MatrixXd all = joint.covariance();
   std::vector<SE3d> poses;
   std::vector<Eigen::Index> coordinates;
@@ -70,23 +71,31 @@ ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint() const {
     const std::size_t i = pose_of[*index];
     block(covariance, i, i) += unseen_covariance(object, poses[i]);
   }
+  for (std::size_t i = 0; i < joint.size(); ++i) {
+    if (!joint.is_in_world(i)) continue;
+    poses[pose_of[i]] = to_world(poses[pose_of[i]]);
+    to_world.move_rows(rows(covariance, pose_of[i]));
+    to_world.move_columns(columns(covariance, pose_of[i]));
+  }
   return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
                                                    std::move(covariance));
 }
 
-std::vector<HypothesisMean> MultiObjectState::hypothesis_means(const TrackedObject& object) const {
+std::vector<HypothesisMean> MultiObjectState::hypothesis_means(const TrackedObject& object,
+                                                               const WorldShift& to_world) const {
   const std::vector<double> probabilities = object.belief.probabilities();
   std::vector<HypothesisMean> list;
   list.reserve(object.belief.size());
   for (std::size_t h = 0; h < object.belief.size(); ++h) {
-    list.push_back({.pose = object.belief.mean(joint, h),
+    list.push_back({.pose = to_world(object.belief.mean(joint, h)),
                     .probability = probabilities[h],
                     .id = object.belief.standing(h).id});
   }
   return list;
 }
 
-std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates() const {
+std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates(
+    const WorldShift& to_world) const {
   const std::vector<PoseMoments> moments = joint.pose_moments();
   std::vector<std::optional<LeadingEstimate>> list;
   for (const TrackedObject& object : objects) {
@@ -102,7 +111,7 @@ std::vector<std::optional<LeadingEstimate>> MultiObjectState::leading_estimates(
         moments[*index].covariance + world_error + unseen_covariance(object, pose);
     const auto pair = ConcentratedGaussian<PoseStackd>::trusted(
         PoseStackd({joint.pose(kCamera), pose}), std::move(covariance));
-    list.emplace_back(LeadingEstimate{marginal(pair, 1), relative_pose(pair, 0, 1)});
+    list.emplace_back(LeadingEstimate{to_world(marginal(pair, 1)), relative_pose(pair, 0, 1)});
   }
   return list;
 }
