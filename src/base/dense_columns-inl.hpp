@@ -37,8 +37,16 @@ struct Whole {
 struct Part {
   hn::Mask<D> mask;
   HWY_INLINE explicit Part(std::size_t count) : mask(hn::FirstN(D(), count)) {}
-  HWY_INLINE V load(const double* at) const { return hn::MaskedLoad(mask, D(), at); }
-  HWY_INLINE void store(V v, double* at) const { hn::BlendedStore(v, mask, D(), at); }
+  HWY_INLINE V load(const double* at) const {
+    return kLanes == 2 ? load_first(at) : hn::MaskedLoad(mask, D(), at);
+  }
+  HWY_INLINE void store(V v, double* at) const {
+    if (kLanes == 2) {
+      *at = hn::GetLane(v);
+    } else {
+      hn::BlendedStore(v, mask, D(), at);
+    }
+  }
 };
 
 /// Six columns of C -= A B^T, over kVectors vectors of rows of A and C, the last with `last`.

@@ -48,7 +48,7 @@ HWY_INLINE V load_part(const double* row, [[maybe_unused]] std::size_t stride) {
     }
   }
 #endif
-  if constexpr (kFields < kPart) return hn::MaskedLoad(hn::FirstN(D(), kFields), D(), row);
+  if constexpr (kFields < kPart) return load_first(row);
   return hn::LoadU(D(), row);
 }
 

@@ -25,6 +25,9 @@ constexpr std::size_t kLanes = hn::MaxLanes(D());
 
 HWY_INLINE V set(double value) { return hn::Set(D(), value); }
 
+/// A number in the first lane, and zeros: a masked load of vectors of two lanes reads both.
+HWY_INLINE V load_first(const double* at) { return hn::InsertLane(hn::Zero(D()), 0, *at); }
+
 }  // namespace HWY_NAMESPACE
 }  // namespace posemix::internal
 HWY_AFTER_NAMESPACE();

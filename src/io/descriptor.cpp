@@ -48,8 +48,16 @@ void Descriptor::sync() {
   }
 }
 
-void sync_folder(const std::filesystem::path& folder) {
-  Descriptor(folder, O_RDONLY | O_DIRECTORY).sync();
+FolderEntries::FolderEntries(const std::filesystem::path& folder,
+                             const std::filesystem::path& shown) {
+  const bool is_unreadable = ::access(folder.c_str(), R_OK) != 0 && errno == EACCES;
+  if (!is_unreadable) folder_.emplace(folder, O_RDONLY | O_DIRECTORY, shown);
 }
+
+void FolderEntries::sync() {
+  if (folder_) folder_->sync();
+}
+
+void sync_folder(const std::filesystem::path& folder) { FolderEntries(folder, folder).sync(); }
 
 }  // namespace posemix::internal

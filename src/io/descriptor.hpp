@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string_view>
 
 namespace posemix::internal {
@@ -31,6 +32,21 @@ class Descriptor {
  private:
   std::filesystem::path shown_;
   int number_;
+};
+
+/// The entries of a folder. Those of one that may be written to and not read cannot be waited for,
+/// which is accepted, too.
+class FolderEntries {
+ public:
+  /// `shown` is the path in messages.
+  /// @throws OutputError without a descriptor for them
+  FolderEntries(const std::filesystem::path& folder, const std::filesystem::path& shown);
+
+  /// Waits until they are on the disk.
+  void sync();
+
+ private:
+  std::optional<Descriptor> folder_;
 };
 
 /// Waits until the entries of a folder are on the disk.

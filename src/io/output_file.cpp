@@ -28,9 +28,7 @@ class PartialFile {
  public:
   /// A file that is replaced keeps its permissions, from before there is any content.
   explicit PartialFile(const fs::path& target)
-      : target_(target),
-        folder_(target.parent_path(), O_RDONLY | O_DIRECTORY, target),
-        file_(create()) {
+      : target_(target), folder_(target.parent_path(), target), file_(create()) {
     std::error_code is_new;
     const fs::file_status before = fs::status(target_, is_new);
     if (!is_new && fs::exists(before))
@@ -69,7 +67,7 @@ class PartialFile {
 
   fs::path target_;
   fs::path path_;
-  Descriptor folder_;  ///< opened first: once the target is replaced, descriptors may be used up
+  FolderEntries folder_;  ///< opened first: once the target is replaced, descriptors may be used up
   Descriptor file_;
 };
 

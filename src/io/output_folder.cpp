@@ -176,7 +176,7 @@ void OutputFolder::move_files() {
 void OutputFolder::commit() {
   if (committed_) fail_output(target_, "cannot be committed", "the folder is already in place");
   sync_folder(hidden_path_);
-  Descriptor parent(target_.parent_path(), O_RDONLY | O_DIRECTORY, target_);
+  FolderEntries parent(target_.parent_path(), target_);
   if (::rename(hidden_path_.c_str(), target_.c_str()) != 0) {
     const bool filled = errno == ENOTEMPTY || errno == EEXIST;
     const bool inside = hidden_path_.parent_path() == target_;

@@ -4,6 +4,10 @@
 
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
+
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <gtest/gtest.h>
 
@@ -178,6 +182,55 @@ TEST(DenseKernels, DifferencesProductsWithVectorsAndDeterminants) {
       const long double expected = 2.0L * l.diagonal().array().log().sum();
       ASSERT_TRUE(factor_in_place(s));
       EXPECT_NEAR(log_det_of_factor(s), static_cast<double>(expected), 1e-11) << scale;
+    }
+  });
+}
+
+/// Memory that ends where none may be read or written.
+class MemoryBeforeNothing {
+ public:
+  MemoryBeforeNothing() {
+    begin_ = ::mmap(nullptr, 2 * page_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (begin_ == MAP_FAILED || ::mprotect(end(), page_, PROT_NONE) != 0)
+      throw std::runtime_error("no memory for the test");
+  }
+  ~MemoryBeforeNothing() { ::munmap(begin_, 2 * page_); }
+  MemoryBeforeNothing(const MemoryBeforeNothing&) = delete;
+  MemoryBeforeNothing& operator=(const MemoryBeforeNothing&) = delete;
+
+  /// A matrix whose last entry is the last before the end.
+  Eigen::Map<MatrixXd> copy_of(const MatrixXd& m) const {
+    double* const first = reinterpret_cast<double*>(end()) - m.size();
+    Eigen::Map<MatrixXd> map(first, m.rows(), m.cols());
+    map = m;
+    return map;
+  }
+
+ private:
+  char* end() const { return static_cast<char*>(begin_) + page_; }
+
+  std::size_t page_ = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  void* begin_ = nullptr;
+};
+
+/// Vectors of two lanes read the number behind a matrix of an odd number of rows.
+TEST(DenseKernels, NothingBehindAMatrixIsRead) {
+  by_every_instruction_set([] {
+    const MemoryBeforeNothing left, right, found;
+    for (const Index rows : {1, 3, 5, 7, 13}) {
+      const MatrixXd a = random_matrix(rows, 6, 17);
+      const MatrixXd b = random_matrix(rows, 6, 18);
+      auto c = found.copy_of(a);
+      set_difference(c, left.copy_of(a), right.copy_of(b));
+      EXPECT_EQ(c, a - b) << rows;
+      const Eigen::VectorXd x = random_matrix(6, 1, 19);
+      EXPECT_LT((product(left.copy_of(a), x) - a * x).norm(), 1e-12) << rows;
+      const MatrixXd s = random_covariance(6, 3.0, 20);
+      MatrixXd l = s;
+      ASSERT_TRUE(factor_in_place(l));
+      auto solved = found.copy_of(a);
+      solve_from_right(right.copy_of(l), solved);
+      EXPECT_LT((solved * s - a).norm(), 1e-12) << rows;
     }
   });
 }

@@ -10,6 +10,8 @@
 #include <set>
 #include <thread>
 
+#include <unistd.h>
+
 #include <gtest/gtest.h>
 
 #include "subjects.hpp"
@@ -93,6 +95,35 @@ TEST_F(Neighbours, WithoutDescriptorsAFileIsReplacedOrTheErrorIsTold) {
   }
   EXPECT_TRUE(codes.contains(0)) << "the last limit is enough";
   EXPECT_TRUE(codes.contains(4)) << "one is that of the output";
+}
+
+/// The home of others may often be entered and not read, and a drop box only be written to.
+TEST_F(Neighbours, FoldersThatMayNotBeReadAreWrittenTo) {
+  std::vector<std::string> as_anybody;
+  if (::geteuid() == 0) as_anybody = {"/usr/bin/setpriv", "--reuid=65534", "--clear-groups"};
+  const auto run = [&](std::vector<std::string> command) {
+    command.insert(command.begin(), as_anybody.begin(), as_anybody.end());
+    return RunningProgram(command).wait();
+  };
+  run_with_fault(testing::slam_command(inputs_.path(), inputs_.path(), false), "", inputs_.path());
+  fs::permissions(inputs_.path(), fs::perms(0755));
+  const fs::path box = folder_ / "box";
+  fs::create_directory(box);
+  if (::geteuid() == 0) ASSERT_EQ(::chown(box.c_str(), 65534, 65534), 0);
+  fs::permissions(folder_.path(), fs::perms(0711));
+  fs::permissions(box, fs::perms(0300));
+  const std::string results = (inputs_ / "out").string();
+  const std::string page = (box / "page.html").string();
+  const ProgramResult one = run({POSEMIX_PROGRAM, "report", results, "--quiet", "--out", page});
+  if (one.exit_code == 127 || one.err.find("setpriv") != std::string::npos)
+    GTEST_SKIP() << "nobody may start the program here: " << one.err;
+  EXPECT_EQ(one.exit_code, 0) << one.err;
+  const ProgramResult folder =
+      run({POSEMIX_PROGRAM, "simulate", POSEMIX_SOURCE_DIR "/configs/demo.toml", "--quiet", "--out",
+           (box / "out").string()});
+  EXPECT_EQ(folder.exit_code, 0) << folder.err;
+  fs::permissions(box, fs::perms(0700));
+  EXPECT_EQ(testing::names_in(box), (std::vector<std::string>{"out", "page.html"}));
 }
 
 TEST_F(Neighbours, AStudyWhoseJournalHasNoRoomIsContinued) {

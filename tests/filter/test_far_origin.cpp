@@ -128,10 +128,10 @@ TEST(FarOrigin, BeyondWhatDoublePrecisionHoldsIsRefused) {
   const Eigen::MatrixXd before = filter.joint().covariance();
   EXPECT_EQ(testing::thrown_message([&] { filter.set_camera(away, 0.1); }),
             why("pose of the camera"));
-  const std::string of_prior = testing::thrown_message([&] {
-    filter.add_object(sensor, ObjectPrior{away, 1.0});
-  });
-  EXPECT_TRUE(of_prior.ends_with("times as much, which double precision holds")) << of_prior;
+  EXPECT_EQ(testing::thrown_message([&] {
+              filter.add_object(sensor, ObjectPrior{away, 1.0});
+            }),
+            why("the prior"));
   EXPECT_EQ(filter.object_count(), 1U);
   EXPECT_EQ(filter.joint().covariance(), before);
   Hypothesis prior(PoseStackd({SE3d(SO3d(), {0.0, -3e6, 0.0})}), Eigen::MatrixXd(sure));

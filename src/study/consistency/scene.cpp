@@ -177,8 +177,7 @@ std::optional<SE3d> ConsistencyScene::detect(std::size_t object) {
   return seen;
 }
 
-void ConsistencyScene::add_modes(std::size_t object, const std::optional<SE3d>& seen,
-                                 FrameInput& input) {
+void ConsistencyScene::add_modes(std::size_t object, const SE3d& seen, FrameInput& input) {
   Detector& detector = detectors_[object];
   const double kept = cell_.modes_in_runs ? std::exp(-0.1 / kFlipRunS) : 0.0;
   const bool is_kept = random_.uniform() < kept;
@@ -187,15 +186,15 @@ void ConsistencyScene::add_modes(std::size_t object, const std::optional<SE3d>& 
   if (!is_kept || detector.detections == 1)
     detector.right_weight = is_first_right ? first_weight : 1.0 - first_weight;
   const double weight = detector.right_weight;
-  const SE3d other = *seen * half_turn();
+  const SE3d other = seen * half_turn();
   if (cell_.modes == ModeInput::best) {
-    input.detections[object] = weight >= 0.5 ? *seen : other;
+    input.detections[object] = weight >= 0.5 ? seen : other;
     return;
   }
   input.detections[object].reset();
   input.observations.push_back(
       {.object = std::to_string(object),
-       .components = {{.weight = weight, .pose = *seen}, {.weight = 1.0 - weight, .pose = other}}});
+       .components = {{.weight = weight, .pose = seen}, {.weight = 1.0 - weight, .pose = other}}});
 }
 
 FrameInput ConsistencyScene::next(double dt, bool seen) {
@@ -208,9 +207,9 @@ FrameInput ConsistencyScene::next(double dt, bool seen) {
   is_first_ = false;
   for (std::size_t j = 0; j < objects_.size(); ++j) {
     const bool is_late = j + 1 == objects_.size() && time_s_ < cell_.late_s;
-    input.detections.push_back(seen && !is_late ? detect(j) : std::nullopt);
-    if (cell_.modes != ModeInput::none && input.detections[j])
-      add_modes(j, input.detections[j], input);
+    const std::optional<SE3d> detected = seen && !is_late ? detect(j) : std::nullopt;
+    input.detections.push_back(detected);
+    if (cell_.modes != ModeInput::none && detected) add_modes(j, *detected, input);
   }
   return input;
 }

@@ -53,7 +53,7 @@ class ConsistencyScene {
   void move_slow_error(std::size_t object, double dt);
   std::optional<SE3d> detect(std::size_t object);
   /// The detection of the right mode as what is told of it.
-  void add_modes(std::size_t object, const std::optional<SE3d>& seen, FrameInput& input);
+  void add_modes(std::size_t object, const SE3d& seen, FrameInput& input);
   SE3d clutter(const SE3d& near);
   /// The error of an inlier, or of a gross error, which lasts for a run.
   Vector6d white_error(Detector& detector);
