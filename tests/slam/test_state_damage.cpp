@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -9,7 +11,6 @@
 #include "base/state_layout.hpp"
 #include "base/state_reader.hpp"
 #include "base/state_writer.hpp"
-#include "io/temporary_folder.hpp"
 #include "posemix/slam/state.hpp"
 #include "posemix/testing/expect.hpp"
 #include "slam/stamped_state_fields.hpp"
@@ -243,7 +244,8 @@ TEST(StateDamage, SeedsOfTheFuzzTargetAreRead) {
   int read = 0;
   for (const auto& entry :
        std::filesystem::directory_iterator(POSEMIX_SOURCE_DIR "/tests/fuzz/corpus/state")) {
-    const std::string seed = testing::content_of(entry.path());
+    std::ifstream file(entry.path(), std::ios::binary);
+    const std::string seed(std::istreambuf_iterator<char>(file), {});
     if (seed.starts_with('h')) continue;
     const std::string& head = seed.starts_with('s') ? stamped : plain;
     try {
