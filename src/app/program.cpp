@@ -6,6 +6,7 @@
 #include <array>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <functional>
 #include <new>
 #include <sstream>
@@ -75,6 +76,8 @@ int guarded(const std::function<int()>& action) {
     return fail(error.what(), kExitSignal + error.signal());
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kExitInternal);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()), kExitInput);
   } catch (const std::system_error& error) {
     const bool lacks = error.code() == std::errc::resource_unavailable_try_again ||
                        error.code() == std::errc::not_enough_memory;

@@ -206,7 +206,8 @@ std::vector<StudyFile> files_of(const StudyRun& run, const StudyReport& report,
   return files;
 }
 
-void write_files(const StudyRun& run, const StudyOptions& options) {
+/// Returns what is to be printed.
+std::string write_files(const StudyRun& run, const StudyOptions& options) {
   const StudyReport report = run.study.report(run.results);
   const std::vector<StudyFile> files = files_of(run, report, options);
   OutputFolder folder(options.out);
@@ -219,11 +220,8 @@ void write_files(const StudyRun& run, const StudyOptions& options) {
       earlier.empty()
           ? ""
           : fmt::format("Replaced: the results of an earlier study, {} files\n", earlier.size());
-  if (options.json) {
-    print_text(files.front().content);
-  } else if (!options.quiet) {
-    print_text(terminal_text(printed_text(report, options) + replaced));
-  }
+  if (options.json) return files.front().content;
+  return options.quiet ? "" : terminal_text(printed_text(report, options) + replaced);
 }
 
 int run_command(const StudyCommand& command, const StudyOptions& options) {
@@ -247,11 +245,13 @@ int run_command(const StudyCommand& command, const StudyOptions& options) {
                               .progress = go_on});
   if (!run) return kExitDone;
   guard.check();
-  write_files(*run, options);
+  const std::string text = write_files(*run, options);
+  // The results are there, also where they cannot be printed.
   std::error_code error;
   if (!fs::remove(journal, error) && error) {
     throw OutputError(fmt::format("{}: cannot be removed: {}", journal.string(), error.message()));
   }
+  if (!text.empty()) print_text(text);
   return kExitDone;
 }
 

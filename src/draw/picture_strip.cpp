@@ -17,6 +17,12 @@ namespace {
 
 constexpr std::size_t kMostCurvePoints = 1000;
 constexpr double kLeastBetweenCarets = 5.0;
+/// A time axis has at least this length [s], and this part of the stamps: less is lost in their
+/// rounding.
+constexpr double kLeastSpan = 1e-3;
+constexpr double kLeastOfStamp = 1e-12;
+/// Stamps beyond this [s], as those of Unix, are told from the first one on.
+constexpr double kLongestAgo = 1e5;
 
 double quantile_of(const Curve& curve, double probability) {
   std::vector<double> values;
@@ -46,7 +52,8 @@ class StripView {
   StripView(const SvgBox& box, const std::vector<double>& stamps, double highest)
       : box_(box),
         first_(stamps.front()),
-        span_(std::max(stamps.back() - stamps.front(), 1e-9)),
+        span_(std::max(
+            {stamps.back() - stamps.front(), kLeastSpan, kLeastOfStamp * std::abs(stamps.back())})),
         highest_(highest) {}
 
   double x(double stamp) const { return box_.left + box_.width * (stamp - first_) / span_; }
@@ -139,11 +146,15 @@ void draw_detections(SvgDocument& svg, const StripView& view, const std::vector<
 void draw_time_axis(SvgDocument& svg, const StripView& view) {
   const SvgBox& box = view.box();
   const double step = round_step(view.span(), 5);
-  for (double i = std::ceil(view.first() / step); i * step <= view.first() + view.span(); ++i) {
-    svg.text({view.x(i * step), box.bottom() + 15}, fmt::format("{:.6g}", i * step),
+  const double zero = std::abs(view.first()) > kLongestAgo ? view.first() : 0.0;
+  const double first = view.first() - zero;
+  for (double i = std::ceil(first / step); i * step <= first + view.span(); ++i) {
+    svg.text({view.x(zero + i * step), box.bottom() + 15}, fmt::format("{:.6g}", i * step),
              {.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::middle});
   }
-  svg.text({box.right(), box.bottom() + 30}, "time [s]",
+  const std::string label =
+      zero == 0.0 ? "time [s]" : fmt::format("time since the stamp {:.3f} s [s]", zero);
+  svg.text({box.right(), box.bottom() + 30}, label,
            {.size = 12, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
 }
 

@@ -80,6 +80,8 @@ void OutputFolder::create_parents() {
   std::error_code error;
   for (fs::path parent = target_.parent_path(); !fs::exists(parent, error) && !error;
        parent = parent.parent_path()) {
+    // In a current folder that was removed, no path begins anywhere.
+    if (parent.empty()) fail_output(target_, "cannot be created", "the current folder is gone");
     missing.insert(missing.begin(), parent);
   }
   for (const fs::path& parent : missing) {

@@ -14,6 +14,9 @@ namespace {
 /// or gone.
 constexpr double kChance = 2e-3;
 
+/// Time alone makes it no less probable that the instance is there.
+constexpr double kLeastThere = 1e-6;
+
 void check(const BetaDistribution& rate, const char* name) {
   kPositive.check(rate.a, std::string(name) + ".a");
   kPositive.check(rate.b, std::string(name) + ".b");
@@ -76,8 +79,11 @@ void Existence::predict(double dt, const ExistenceSettings& settings) {
   const double leave = 1.0 / settings.visible_time_s;
   const double back = 1.0 / settings.hidden_time_s;
   const double mixed = -std::expm1(-(leave + back) * dt) / (leave + back);
-  const double stays = std::exp(-dt / settings.lifetime_s);
-  gone_ += (1.0 - stays) * (visible_.sum() + hidden_.sum());
+  const double there = visible_.sum() + hidden_.sum();
+  // Over days nothing would be left, and no sighting could bring it back.
+  const double stays =
+      std::max(std::exp(-dt / settings.lifetime_s), std::min(kLeastThere / there, 1.0));
+  gone_ += (1.0 - stays) * there;
   const Rates moved = mixed * (leave * visible_ - back * hidden_);
   visible_ = stays * (visible_ - moved);
   hidden_ = stays * (hidden_ + moved);

@@ -199,9 +199,11 @@ class MovingSmoothing {
         frame.relative[j] = fixed.relative[*at];
         frame.pose_indices[j] = fixed.pose_indices[*at];
         frame.mode_probabilities[j] = fixed.mode_probabilities[*at];
-        // The mode is right where the place is.
-        if (frame.mode_probabilities[j] && put_down_of(models_[j].motion) && tracks_[j][k])
-          *frame.mode_probabilities[j] *= tracks_[j][k]->hypotheses.front().probability;
+        // The mode is right where the place is; unseen for long, it is at none.
+        if (frame.mode_probabilities[j] && put_down_of(models_[j].motion) && tracks_[j][k]) {
+          const auto& places = tracks_[j][k]->hypotheses;
+          *frame.mode_probabilities[j] *= places.empty() ? 0.0 : places.front().probability;
+        }
         if (!frame.alternatives.empty()) frame.alternatives[j] = fixed.alternatives[*at];
       } else if (has_own_track(models_[j].motion) && tracks_[j][k]) {
         report_moving(j, *tracks_[j][k], errors_[k], frame);

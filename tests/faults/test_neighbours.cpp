@@ -97,6 +97,39 @@ TEST_F(Neighbours, WithoutDescriptorsAFileIsReplacedOrTheErrorIsTold) {
   EXPECT_TRUE(codes.contains(4)) << "one is that of the output";
 }
 
+/// Its results are there, and the same study can be run again.
+TEST_F(Neighbours, AStudyWhoseTableCannotBePrintedIsDone) {
+  std::vector<std::string> words = study();
+  std::erase(words, "--quiet");
+  for (int run = 0; run < 2; ++run) {
+    expect_error(limited("exec > /dev/full", words), 4, "standard output: cannot be written");
+    EXPECT_EQ(testing::names_in(folder_.path()), std::vector<std::string>{"out"});
+  }
+}
+
+/// Where relative paths have no beginning.
+TEST_F(Neighbours, ACurrentFolderThatIsGoneIsAnError) {
+  const std::string gone = (folder_ / "gone").string();
+  fs::create_directory(gone);
+  std::vector<std::string> words = slam();
+  words.back() = "out";
+  const ProgramResult result = limited(fmt::format("cd {0}; rmdir {0}", gone), words);
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_NE(result.err.find("out: cannot be created: the current folder is gone"),
+            std::string::npos)
+      << result.err;
+}
+
+/// A loop of links, and a name that is too long.
+TEST_F(Neighbours, PathsThatTheSystemRefusesAreNamed) {
+  fs::create_symlink(folder_ / "loop", folder_ / "loop");
+  for (const std::string& path : {(folder_ / "loop").string(), std::string(300, 'x')}) {
+    const ProgramResult result = limited("true", {POSEMIX_PROGRAM, "consistency", path});
+    EXPECT_EQ(result.exit_code, 3) << result.err;
+    EXPECT_TRUE(result.err.starts_with("posemix: error: " + path)) << result.err;
+  }
+}
+
 /// The home of others may often be entered and not read, and a drop box only be written to.
 TEST_F(Neighbours, FoldersThatMayNotBeReadAreWrittenTo) {
   std::vector<std::string> as_anybody;

@@ -48,6 +48,11 @@ TEST(Picture, OfOneFrame) {
   const std::string picture = format_picture(job, single, results().metrics);
   EXPECT_EQ(picture.find("nan"), std::string::npos);
   EXPECT_EQ(picture.find("inf"), std::string::npos);
+  // A time axis of no length has as many marks as stamps can tell apart.
+  for (const double stamp : {0.0, 1e7, 1.7e9, 1e15}) {
+    job.sequence.stamps = {stamp};
+    EXPECT_LT(format_picture(job, single, results().metrics).size(), 2 * picture.size()) << stamp;
+  }
 }
 
 // --- posterior.json

@@ -104,6 +104,25 @@ TEST(Existence, OfWhatIsTakenAwayFallsWhileItShouldBeSeen) {
   EXPECT_LT(existence.probability(), kSettings.deleted_probability);
 }
 
+/// After days in which nobody looked, what is there is found again.
+TEST(Existence, ReturnsAfterDays) {
+  const ExistenceSettings settings;
+  for (const double days : {1.0, 14.0, 3000.0}) {
+    Existence existence(settings);
+    for (int k = 0; k < 300; ++k) {
+      existence.predict(0.1, settings);
+      existence.update(Sighting::detected, 0.1, settings);
+    }
+    existence.predict(86400.0 * days, settings);
+    EXPECT_LT(existence.probability(), 0.01) << days;
+    for (int k = 0; k < 300; ++k) {
+      existence.predict(0.1, settings);
+      existence.update(Sighting::detected, 0.1, settings);
+    }
+    EXPECT_GT(existence.probability(), 0.95) << days;
+  }
+}
+
 TEST(Existence, StaysWhileNothingCanBeSeen) {
   Existence existence(kSettings);
   for (int k = 0; k < 10; ++k) existence.update(Sighting::detected, 1.0, kSettings);

@@ -35,6 +35,31 @@ TEST(SmoothingMoving, ErrorsAreSmallerThanTheFiltersAndAsStated) {
   EXPECT_LT(smoothed.camera, filtered.camera);
 }
 
+/// A place of which nothing is left between two looks.
+TEST(SmoothingMoving, WhatIsPutDownAndLostIsSmoothedToo) {
+  Sequence sequence;
+  sequence.objects.push_back({.id = "mug"});
+  for (int k = 0; k < 20; ++k) {
+    sequence.stamps.push_back(100.0 * k);
+    sequence.objects[0].detections.emplace_back(SE3d(SO3d(), {0.0, 0.0, 0.8}));
+  }
+  const ObjectModel mug{.id = "mug", .motion = moving_by(PutDownMotion{})};
+  ObjectSlamSettings settings;
+  settings.tracker = MultiObjectSlamSettings{};
+  settings.motion.model = MotionModel::random_walk;
+  const SlamRun run =
+      run_smoothed(sequence, {SE3d(), isotropic(0.3, 0.005)}, {mug}, settings, {}, {});
+  ASSERT_EQ(run.frames.size(), 20U);
+  int lost = 0;
+  for (const FrameEstimate& frame : run.frames) {
+    const auto probability = frame.mode_probabilities[0];
+    if (!probability) continue;
+    EXPECT_TRUE(*probability >= 0.0 && *probability <= 1.0);
+    if (*probability == 0.0) ++lost;
+  }
+  EXPECT_GT(lost, 0);
+}
+
 /// The recording before a camera whose poses are given with an error, but for some.
 Recorded with_given_camera(std::uint64_t seed) {
   Recorded recorded(seed);
