@@ -153,7 +153,7 @@ void draw_time_axis(SvgDocument& svg, const StripView& view) {
              {.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::middle});
   }
   const std::string label =
-      zero == 0.0 ? "time [s]" : fmt::format("time since the stamp {:.3f} s [s]", zero);
+      zero == 0.0 ? "time [s]" : fmt::format("time [s] since {:.1f}", zero);
   svg.text({box.right(), box.bottom() + 30}, label,
            {.size = 12, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
 }

@@ -51,7 +51,9 @@ TEST(Picture, OfOneFrame) {
   // A time axis of no length has as many marks as stamps can tell apart.
   for (const double stamp : {0.0, 1e7, 1.7e9, 1e15}) {
     job.sequence.stamps = {stamp};
-    EXPECT_LT(format_picture(job, single, results().metrics).size(), 2 * picture.size()) << stamp;
+    const std::string one = format_picture(job, single, results().metrics);
+    EXPECT_LT(one.size(), 2 * picture.size()) << stamp;
+    EXPECT_EQ(one.find("time [s] since 1700000000.0") != std::string::npos, stamp == 1.7e9);
   }
 }
 
