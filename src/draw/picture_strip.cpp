@@ -152,8 +152,7 @@ void draw_time_axis(SvgDocument& svg, const StripView& view) {
     svg.text({view.x(zero + i * step), box.bottom() + 15}, fmt::format("{:.6g}", i * step),
              {.size = 11, .fill = std::string(kAxisColour), .anchor = SvgAnchor::middle});
   }
-  const std::string label =
-      zero == 0.0 ? "time [s]" : fmt::format("time [s] since {:.1f}", zero);
+  const std::string label = zero == 0.0 ? "time [s]" : fmt::format("time [s] since {:.1f}", zero);
   svg.text({box.right(), box.bottom() + 30}, label,
            {.size = 12, .fill = std::string(kAxisColour), .anchor = SvgAnchor::end});
 }
