@@ -29,6 +29,7 @@ from .test_live_node import BOX, MUG
 pytestmark = pytest.mark.skipif(bool(unavailable()), reason=unavailable())
 
 STILL = '[motion]\nmodel = "still"\n'
+PATIENT = "[live]\ntransform_timeout_s = 5.0\n"  # transforms that a loaded machine delivers late
 RELIABLE = '[[sources]]\nname = "detections"\nreliability = "reliable"\n'
 
 
@@ -52,7 +53,7 @@ def drive(world: Live, until: float) -> None:
 
 
 def test_objects_transforms_and_diagnostics(program: Callable[..., Program]) -> None:
-    running = program().ready()
+    running = program(PATIENT).ready()
     world = running.world
     drive(world, 6.1)
     for i in range(31):
