@@ -109,6 +109,18 @@ TEST(FarOrigin, OfAHundredKilometresChangesNothingInTheGaussianSumFilter) {
   }
 }
 
+/// Not to the last bit, however often.
+TEST(FarOrigin, UpdatesOfNothingLeaveTheGaussianSumFilterAsItIs) {
+  const SE3d far(SO3d(), {5e4, 4e4, 0.0});
+  const Matrix6d sure = testing::isotropic(0.1, 5e-3);
+  Hypothesis prior(PoseStackd({far}), Eigen::MatrixXd(far.adjoint_congruence(sure)));
+  GaussianSumFilter filter(Posterior({{0.0, std::move(prior)}}), {});
+  filter.add_independent_object(far.inverse(), testing::isotropic(60.0, 1e-3));
+  const Eigen::MatrixXd before = filter.posterior()[0].density.covariance();
+  for (int k = 0; k < 100; ++k) filter.update({});
+  EXPECT_EQ(filter.posterior()[0].density.covariance(), before);
+}
+
 /// Where double precision holds nothing of what is stated, it is refused.
 TEST(FarOrigin, BeyondWhatDoublePrecisionHoldsIsRefused) {
   const auto why = [](const char* name) {

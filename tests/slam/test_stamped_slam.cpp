@@ -12,6 +12,7 @@
 #include <gtest/gtest.h>
 
 #include "filter/scenario.hpp"
+#include "posemix/slam/state.hpp"
 
 namespace posemix {
 namespace {
@@ -223,6 +224,39 @@ TEST(StampedSlam, RefusesWhatIsNotValidAndChangesNothing) {
   EXPECT_THROW(make_stamped({.checkpoints = 0}), InvalidInput);
   StampedSlam walk(kStampedStart, {{.id = "mug"}}, {}, {.model = MotionModel::random_walk});
   EXPECT_THROW(walk.add_odometry(0.0, SE3d()), InvalidInput);
+}
+
+/// A pose of which double precision holds nothing is refused where it is given: behind it, no frame
+/// could be computed any more. One that is only far away is taken.
+TEST(StampedSlam, AGivenPoseFarAwayEndsNoSession) {
+  MotionSettings motion{.model = MotionModel::given};
+  motion.noise = {isotropic(0.1, 0.001), NoisePer::frame};
+  StampedSlam slam(kStampedStart, {{.id = "mug"}}, {}, motion);
+  const auto see = [&](double stamp, const SE3d& body) {
+    slam.add_odometry(stamp, body);
+    Observation seen{.object = "mug", .stamp_s = stamp};
+    seen.components = {{.pose = pose(0, 0, 0, 0, 0, 1)}};
+    slam.add(seen);
+    return slam.estimate()->estimate.object("mug").world->mean().translation();
+  };
+  see(0.0, SE3d());
+  const SE3d nothing(SO3d(), {0.0, 2.4e7, 0.0});
+  EXPECT_THROW(slam.add_odometry(0.1, nothing), InvalidInput);
+  const Eigen::Vector3d near = see(0.1, SE3d());
+  EXPECT_LT((near - Eigen::Vector3d(0.0, 0.0, 1.0)).norm(), 0.05);
+  see(0.2, SE3d(SO3d(), {0.0, 2e4, 0.0}));
+  for (int k = 3; k < 30; ++k) EXPECT_TRUE(see(0.1 * k, SE3d()).allFinite());
+
+  // A frame that is refused changes nothing.
+  MultiObjectSlam frames(kStampedStart, {{.id = "mug"}}, {}, motion);
+  FrameInput input{.dt = 0.0, .detections = {pose(0, 0, 0, 0, 0, 1)}};
+  input.camera = SE3d();
+  frames.step(input);
+  const std::string before = state_bytes(frames);
+  input.dt = 0.1;
+  input.camera = nothing;
+  EXPECT_THROW(frames.step(input), InvalidInput);
+  EXPECT_EQ(state_bytes(frames), before);
 }
 
 TEST(StampedSlam, WithoutAnOdometryModelEveryObservationIsAppliedAtOnce) {

@@ -7,7 +7,8 @@
 namespace posemix::internal {
 namespace {
 
-/// The norm of the camera's position from which on the scene is far from the origin [m].
+/// Nearer to the origin [m], all digits that are asked for are there, and every round trip costs
+/// some.
 constexpr double kFar_m = 1000.0;
 
 }  // namespace
