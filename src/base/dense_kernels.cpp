@@ -243,11 +243,10 @@ void set_difference(MatrixRef c, ConstMatrixRef a, ConstMatrixRef b) {
   (a.data(), stride(a), b.data(), stride(b), count(a.rows()), count(a.cols()), c.data(), stride(c));
 }
 
-Eigen::VectorXd product(ConstMatrixRef a, const Eigen::Ref<const Eigen::VectorXd>& x) {
-  Eigen::VectorXd y(a.rows());
+void set_product(Eigen::VectorXd& y, ConstMatrixRef a, const Eigen::Ref<const Eigen::VectorXd>& x) {
+  y.resize(a.rows());
   POSEMIX_DISPATCH(times_vector)
   (a.data(), stride(a), count(a.rows()), count(a.cols()), x.data(), y.data());
-  return y;
 }
 
 double log_det_of_factor(ConstMatrixRef l) {

@@ -38,8 +38,8 @@ void solve_from_right(ConstMatrixRef l, MatrixRef x);
 /// c = a - b, of any size.
 void set_difference(MatrixRef c, ConstMatrixRef a, ConstMatrixRef b);
 
-/// a x.
-Eigen::VectorXd product(ConstMatrixRef a, const Eigen::Ref<const Eigen::VectorXd>& x);
+/// y = a x.
+void set_product(Eigen::VectorXd& y, ConstMatrixRef a, const Eigen::Ref<const Eigen::VectorXd>& x);
 
 /// log det S of its factor L.
 double log_det_of_factor(ConstMatrixRef l);

@@ -75,8 +75,8 @@ class LayoutWriter {
   void add(std::type_identity<std::variant<T...>> /*type*/) {
     add_parts('<', std::type_identity<std::tuple<T...>>(), '>');
   }
-  template <class T>
-  void add(std::type_identity<std::vector<T>> /*type*/) {
+  template <class T, class Allocator>
+  void add(std::type_identity<std::vector<T, Allocator>> /*type*/) {
     add_parts('[', std::type_identity<std::tuple<T>>(), ']');
   }
   template <class T>

@@ -131,8 +131,8 @@ class StateReader {
     x.assign(count(), false);
     for (auto&& one : x) one = take<bool>();
   }
-  template <class T>
-  void read(std::vector<T>& x) {
+  template <class T, class Allocator>
+  void read(std::vector<T, Allocator>& x) {
     x.clear();
     for (std::size_t n = count(); n > 0; --n) x.push_back(take<T>());
   }

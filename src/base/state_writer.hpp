@@ -86,8 +86,8 @@ class StateWriter {
     append(static_cast<std::uint64_t>(x.size()));
     for (const bool one : x) write(one);
   }
-  template <class T>
-  void write(const std::vector<T>& x) {
+  template <class T, class Allocator>
+  void write(const std::vector<T, Allocator>& x) {
     write_all(x);
   }
   template <class T>

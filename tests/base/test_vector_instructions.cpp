@@ -28,7 +28,9 @@ double residue_of_inner_loops() {
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(kRows, 3);
   a.col(0).setConstant(-(kX * kX));
   a.col(2).setConstant(kX);
-  return internal::product(a, Eigen::Vector3d(1.0, 0.0, kX)).cwiseAbs().maxCoeff();
+  Eigen::VectorXd y;
+  internal::set_product(y, a, Eigen::Vector3d(1.0, 0.0, kX));
+  return y.cwiseAbs().maxCoeff();
 }
 
 /// Ends this process: 0 when the set has the name and its loops fuse or not, as they should.

@@ -32,7 +32,7 @@ Alternative hypothesis(std::uint64_t id, double log_weight, const SE3d& at) {
 
 /// Multiplies the weights.
 void add_log_evidence(ObjectBelief& belief, const std::vector<double>& evidence) {
-  std::vector<DetectionUpdate> updates(evidence.size());
+  DetectionUpdates updates(evidence.size());
   for (std::size_t h = 0; h < evidence.size(); ++h)
     updates[h].explanation.log_evidence = evidence[h];
   belief.multiply_weights(updates, 0.0, 1.0);
@@ -65,7 +65,7 @@ TEST(ObjectBelief, TheFirstBirthLeads) {
 TEST(ObjectBelief, AChangeOfTheLeaderKeepsOrderAndPoses) {
   JointGaussian joint = camera_alone();
   ObjectBelief belief;
-  std::vector<Alternative> births;
+  Alternatives births;
   for (std::uint64_t id = 0; id < 4; ++id)
     births.push_back(hypothesis(id, -1.0, pose(0, 0, static_cast<double>(id), 0, 0, 0)));
   belief.add(joint, births);
@@ -103,7 +103,7 @@ TEST(ObjectBelief, TheLeaderStaysUntilAnotherIsAheadByTheMargin) {
 TEST(ObjectBelief, KeepsTheHeaviestTheBestScoreAndTheLeader) {
   JointGaussian joint = camera_alone();
   ObjectBelief belief;
-  std::vector<Alternative> births;
+  Alternatives births;
   for (std::uint64_t id = 0; id < 6; ++id)
     births.push_back(hypothesis(id, id == 0 ? -50.0 : -1.0 - static_cast<double>(id),
                                 pose(0, 0, 0.5 * static_cast<double>(id), 0, 0, 0)));

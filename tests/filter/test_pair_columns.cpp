@@ -35,7 +35,8 @@ void expect_the_same(const PairScene& scene, std::size_t index, double weight,
   EXPECT_LT((change.mean - reference.mean).norm(), 1e-12);
   EXPECT_LT((change.covariance - reference.covariance).norm(),
             1e-11 * (reference.covariance.norm() + camera.norm()));
-  EXPECT_LT((change.error_covariance - reference.error_covariance).norm(), 1e-11 * camera.norm());
+  EXPECT_LT((change.error_covariance.get() - reference.error_covariance.get()).norm(),
+            1e-11 * camera.norm());
 }
 
 TEST(PairColumns, TheUpdateIsThatByDenseProducts) {

@@ -15,8 +15,8 @@ namespace posemix {
 namespace {
 
 /// Every pose moves with the world.
-std::vector<Matrix6d> moved_as_one(const internal::JointGaussian& joint) {
-  std::vector<Matrix6d> moved(joint.size(), Matrix6d::Zero());
+internal::WorldMoves moved_as_one(const internal::JointGaussian& joint) {
+  internal::WorldMoves moved(joint.size(), Matrix6d::Zero());
   for (std::size_t i = 0; i < joint.size(); ++i)
     if (joint.is_in_world(i)) moved[i].setIdentity();
   return moved;
@@ -25,7 +25,7 @@ std::vector<Matrix6d> moved_as_one(const internal::JointGaussian& joint) {
 /// (N^T B^-1 N)^-1.
 Matrix6d by_definition(const internal::JointGaussian& joint) {
   const Eigen::MatrixXd b = joint.covariance();
-  const std::vector<Matrix6d> moved = moved_as_one(joint);
+  const internal::WorldMoves moved = moved_as_one(joint);
   Eigen::MatrixXd shift(b.rows(), 6);
   for (std::size_t i = 0; i < joint.size(); ++i) rows(shift, i) = moved[i];
   return (shift.transpose() * b.ldlt().solve(shift)).inverse();
@@ -57,7 +57,7 @@ TEST(WorldError, LeavesTheRestAsItIs) {
   RandomStream stream(53);
   testing::PairScene scene = testing::pair_scene(1, stream);
   internal::JointGaussian& joint = scene.joint;
-  const std::vector<Matrix6d> moved = moved_as_one(joint);
+  const internal::WorldMoves moved = moved_as_one(joint);
   const Eigen::MatrixXd before = joint.covariance();
   const Matrix6d d = 0.9 * by_definition(joint);
   joint.take_out(d, moved);

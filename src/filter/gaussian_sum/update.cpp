@@ -135,7 +135,8 @@ UpdateResult update(const Hypothesis& prior, std::span<const Detection> detectio
                                         static_cast<double>(m) * kLogTwoPi);
   // Gain and correction, K = P H^T S^-1, X <- Exp(K z) X.
   solve_after_transposed(work.s, work.gain);
-  const Eigen::VectorXd correction = product(work.gain.topRows(n), work.seen.residual);
+  Eigen::VectorXd correction;
+  set_product(correction, work.gain.topRows(n), work.seen.residual);
   PoseStackd mean(prior.mean().size());
   exp_product_of({correction.data(), kPoseDof}, rows_of(prior.mean().poses().data()),
                  rows_of(&mean[0]), mean.size());

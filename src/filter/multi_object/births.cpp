@@ -25,8 +25,8 @@ bool same_mode(const NoiseComponent& a, const NoiseComponent& b) {
 }
 
 /// The modes of the noise, every weight times exp(log_factor).
-std::vector<NoiseMode> modes_of(const DetectorNoise& noise, double log_factor) {
-  std::vector<NoiseMode> modes;
+KeptVector<NoiseMode> modes_of(const DetectorNoise& noise, double log_factor) {
+  KeptVector<NoiseMode> modes;
   for (const NoiseComponent& component : noise.components()) {
     const auto mode = std::find_if(modes.begin(), modes.end(), [&](const NoiseMode& other) {
       return same_mode(*other.first, component);
@@ -67,9 +67,9 @@ Matrix6d widest_covariance(const DetectionState& state, const ObservationCompone
 }
 
 /// The components that may start hypotheses, the heaviest first.
-std::vector<const ObservationComponent*> heaviest_first(const WeighedObservation& observation,
-                                                        const Starters& may_start) {
-  std::vector<const ObservationComponent*> starting;
+KeptVector<const ObservationComponent*> heaviest_first(const WeighedObservation& observation,
+                                                       const Starters& may_start) {
+  KeptVector<const ObservationComponent*> starting;
   for (std::size_t k = 0; k < may_start.size(); ++k)
     if (may_start[k]) starting.push_back(&observation.components[k]);
   std::stable_sort(starting.begin(), starting.end(),
@@ -123,10 +123,10 @@ Alternative MultiObjectState::birth_at(const TrackedObject& object,
 /// heaviest components first, as many as an object may have. Their weight is that of absence times
 /// those of component and mode and the density of clutter ("Births"). Of components that agree the
 /// heaviest takes the weight of all.
-std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object,
-                                                     const WeighedObservation& observation,
-                                                     const Starters& may_start, double share,
-                                                     BirthPlaces* put_down) {
+Alternatives MultiObjectState::births_of(const TrackedObject& object,
+                                         const WeighedObservation& observation,
+                                         const Starters& may_start, double share,
+                                         BirthPlaces* put_down) {
   constexpr double kPi = std::numbers::pi;
   if (!std::isfinite(object.belief.log_absent())) return {};
   const auto starting = heaviest_first(observation, may_start);
@@ -134,10 +134,10 @@ std::vector<Alternative> MultiObjectState::births_of(const TrackedObject& object
   const Matrix6d camera_covariance = joint.covariance(kCamera, kCamera);
   const double log_density = object.belief.log_absent() + std::log(observation.object_weight) -
                              std::log(8.0 * kPi * kPi * sensor.noise.clutter().volume_m3);
-  std::vector<Alternative> births;
+  Alternatives births;
   for (const ObservationComponent* seen : starting) {
     const auto index = static_cast<std::size_t>(seen - observation.components.data());
-    std::vector<NoiseMode> modes = modes_of(sensor.noise, log_density + std::log(seen->weight));
+    KeptVector<NoiseMode> modes = modes_of(sensor.noise, log_density + std::log(seen->weight));
     for (std::size_t m = 0; m < modes.size(); ++m) {
       NoiseMode& mode = modes[m];
       if (put_down) mode.log_weight = put_down->log_modes[m] + std::log(seen->weight);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/cholesky6.hpp"
+#include "base/kept_memory.hpp"
 #include "posemix/base/linear.hpp"
 #include "posemix/detector/object_sensor.hpp"
 #include "posemix/detector/observation.hpp"
@@ -17,6 +18,8 @@ namespace posemix::internal {
 
 using Vector18d = Eigen::Matrix<double, 18, 1>;
 using Matrix18d = Eigen::Matrix<double, 18, 18>;
+
+using Matrix18x6d = Eigen::Matrix<double, 18, 6>;
 
 /// Rows of the camera, the object and the slow error in the state of a detection.
 inline constexpr Eigen::Index kCameraRow = 0;
@@ -36,6 +39,9 @@ struct DetectionState {
   /// Covariance of xi_O - xi_C in the world frame.
   Matrix6d difference() const;
 };
+
+/// P H^T with H = [-I I A].
+Matrix18x6d times_ht(const Matrix18d& p, const Matrix6d& slow_map);
 
 /// Moments of the state, in the tangent spaces at its means before the detection; those of b are
 /// differences from its mean before.
@@ -72,7 +78,7 @@ struct CameraMoments {
 /// An observation as the filter weighs it.
 struct WeighedObservation {
   /// With the part of their weights that no earlier observation told. The weights sum to one.
-  std::vector<ObservationComponent> components;
+  KeptVector<ObservationComponent> components;
   double clutter = 0.0;        ///< probability that the observation is of something else
   double object_weight = 1.0;  ///< factor on the weights of the noise's components
   double log_clutter = 0.0;    ///< log weight times density of clutter [nats]
@@ -113,7 +119,7 @@ Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& compo
 /// probabilities are not numbers where the evidence is zero.
 struct Explanation {
   /// For every component of the observation, one per component of the noise.
-  std::vector<Innovation> innovations;
+  KeptVector<Innovation> innovations;
   std::size_t noise_components = 1;
   double clutter_probability = 0.0;
   double log_evidence = 0.0;  ///< log sum_c exp e_c, clutter included [nats]
@@ -121,7 +127,7 @@ struct Explanation {
   double log_weights = 0.0;
   /// Of every component of the observation, the least squared Mahalanobis distance over those of
   /// the noise.
-  std::vector<double> squared_distances;
+  KeptVector<double> squared_distances;
 
   /// The most probable innovation under the first component of the noise.
   const Innovation& inlier() const;
@@ -155,6 +161,9 @@ struct DetectionUpdate {
   /// Residual of the first component of the noise in standard deviations, along its axes.
   Vector6d white_residual() const;
 };
+
+/// By hypothesis.
+using DetectionUpdates = KeptVector<DetectionUpdate>;
 
 /// Factors on the gain: of the camera and all other objects, and of the slow error of the object
 /// that is detected.

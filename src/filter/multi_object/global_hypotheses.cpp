@@ -60,9 +60,9 @@ GlobalHypotheses::GlobalHypotheses(const MultiObjectState& initial, const Eigen:
 
 /// The state that would lose most by one camera for all hypotheses of object `j` is split, until
 /// none would lose much.
-void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& observed,
+void GlobalHypotheses::split(std::size_t j, KeptVector<ObservedDetection>& observed,
                              const Starters& may_start) {
-  std::vector<double> losses;
+  KeptVector<double> losses;
   losses.reserve(list_.size());
   for (std::size_t i = 0; i < list_.size(); ++i)
     losses.push_back(list_[i].state.tie_loss(j, observed[i], may_start));
@@ -87,8 +87,8 @@ void GlobalHypotheses::split(std::size_t j, std::vector<ObservedDetection>& obse
   }
 }
 
-void GlobalHypotheses::split_by_components(std::size_t j, std::vector<ObservedDetection>& observed,
-                                           std::vector<Starters>& may_start) {
+void GlobalHypotheses::split_by_components(std::size_t j, KeptVector<ObservedDetection>& observed,
+                                           KeptVector<Starters>& may_start) {
   for (std::size_t i = 0; i < list_.size(); ++i) {
     if (list_.size() >= settings().max_global_hypotheses) return;
     const auto k = list_[i].state.component_apart(j, observed[i]);
@@ -115,9 +115,9 @@ namespace {
 
 /// The components that start hypotheses, for every state: those that none of any state explains. An
 /// object that is put down elsewhere has its places in every state.
-std::vector<Starters> starters_of(const std::vector<ObservedDetection>& observed,
-                                  const Starters& may_start, std::size_t states) {
-  std::vector<Starters> starters(states, may_start);
+KeptVector<Starters> starters_of(const KeptVector<ObservedDetection>& observed,
+                                 const Starters& may_start, std::size_t states) {
+  KeptVector<Starters> starters(states, may_start);
   for (std::size_t i = 0; i < states; ++i) {
     if (!observed[i].put_down) continue;
     starters[i] = observed[i].explained;
@@ -127,7 +127,7 @@ std::vector<Starters> starters_of(const std::vector<ObservedDetection>& observed
 }
 
 /// A component starts hypotheses where none of any state explains it.
-Starters unexplained(const std::vector<ObservedDetection>& observed) {
+Starters unexplained(const KeptVector<ObservedDetection>& observed) {
   Starters may_start(observed.front().explained.size(), true);
   for (const ObservedDetection& seen : observed) {
     for (std::size_t k = 0; k < may_start.size(); ++k)
@@ -142,12 +142,12 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
                                             const ObservationSource& source) {
   const auto led = leading_id(j);
   activate(j);
-  std::vector<ObservedDetection> observed;
+  KeptVector<ObservedDetection> observed;
   observed.reserve(list_.size());
   for (const Weighted& one : list_) observed.push_back(one.state.observe(j, observation, source));
   const Starters may_start = unexplained(observed);
   split(j, observed, may_start);
-  std::vector<Starters> starters = starters_of(observed, may_start, list_.size());
+  KeptVector<Starters> starters = starters_of(observed, may_start, list_.size());
   split_by_components(j, observed, starters);
 
   ObjectUpdateReport report;

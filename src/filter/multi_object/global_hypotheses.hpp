@@ -98,11 +98,11 @@ class GlobalHypotheses {
   /// made anew.
   void stay_near_the_origin();
   void reset_reports();
-  void split(std::size_t j, std::vector<ObservedDetection>& observed, const Starters& may_start);
+  void split(std::size_t j, KeptVector<ObservedDetection>& observed, const Starters& may_start);
   /// States whose camera would be in several places, by components of the observation, are split by
   /// those.
-  void split_by_components(std::size_t j, std::vector<ObservedDetection>& observed,
-                           std::vector<Starters>& may_start);
+  void split_by_components(std::size_t j, KeptVector<ObservedDetection>& observed,
+                           KeptVector<Starters>& may_start);
   void normalise();
   /// The next new hypothesis has the same id in all states, one that none has yet.
   void share_next_id();

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "base/cholesky6.hpp"
-#include "base/dense_kernels.hpp"
 
 namespace posemix::internal {
 
@@ -60,29 +59,19 @@ MatrixXd JointGaussian::rows_of(std::size_t index) {
   return covariance_.middleRows(first(index), dof(index));
 }
 
-std::optional<Matrix6d> JointGaussian::world_information(const std::vector<Matrix6d>& moved) const {
-  if (active() < size()) return std::nullopt;
-  MatrixXd b = covariance_;
-  if (!factor_in_place(b)) return std::nullopt;
-  MatrixXd whitened = MatrixXd::Zero(kPoseDof, b.rows());  // N^T L^-T
-  for (std::size_t i = 0; i < size(); ++i) whitened.middleCols<6>(first(i)) = moved[i].transpose();
-  solve_transposed_from_right(b, whitened);
-  return Matrix6d(whitened * whitened.transpose());
-}
-
-void JointGaussian::take_out(const Matrix6d& d, const std::vector<Matrix6d>& moved) {
-  MatrixXd n = MatrixXd::Zero(covariance_.rows(), kPoseDof);
-  for (std::size_t i = 0; i < size(); ++i) n.middleRows<6>(first(i)) = moved[i];
-  subtract_symmetric_product(covariance_, MatrixXd(n * d), n);
-}
-
 /// B_j. = P_OC P_CC^-1 B_C.
-MatrixXd JointGaussian::regressed_rows(const ConditionalPose& object) const {
+KeptMatrix<> JointGaussian::regressed_rows(const ConditionalPose& object) const {
   const Index n = object.slow ? 12 : 6;
-  if (extrinsics_ > 0)
-    return regression_on_rig(object, rig()).topRows(n) * covariance_.topRows(rig_dof());
-  return regression_on_camera(object.cross_covariance, covariance(kCamera, kCamera)).topRows(n) *
-         rows(covariance_, kCamera);
+  KeptMatrix<> result(n, covariance_.cols());
+  if (extrinsics_ > 0) {
+    result.get().noalias() =
+        regression_on_rig(object, rig()).topRows(n) * covariance_.topRows(rig_dof());
+  } else {
+    const Matrix12x6d g =
+        regression_on_camera(object.cross_covariance, covariance(kCamera, kCamera));
+    result.get().noalias() = g.topRows(n) * rows(covariance_, kCamera);
+  }
+  return result;
 }
 
 std::size_t JointGaussian::append(const ConditionalPose& object) {
@@ -115,10 +104,11 @@ std::size_t JointGaussian::append_motion(const SE3d& motion, const Matrix6d& cov
 
 void JointGaussian::replace(std::size_t index, const ConditionalPose& object) {
   activate(index);
-  MatrixXd own = regressed_rows(object);
+  KeptMatrix<> regressed = regressed_rows(object);
+  auto own = regressed.get();
   own.leftCols(kPoseDof) = object.cross_covariance.topRows(dof(index));
   own.middleCols(kPoseDof, object.extrinsics.cols()) = object.extrinsics.topRows(dof(index));
-  set_rows(index, object.pose, object.slow, std::move(own), object.covariance);
+  set_rows(index, object.pose, object.slow, own, object.covariance);
 }
 
 void JointGaussian::erase(std::size_t index) {
@@ -138,15 +128,15 @@ void JointGaussian::erase(std::size_t index) {
 }
 
 void JointGaussian::set_rows(std::size_t index, const SE3d& pose,
-                             const std::optional<Vector6d>& slow, MatrixXd values,
-                             const Matrix12d& own) {
+                             const std::optional<Vector6d>& slow,
+                             const Eigen::Ref<const MatrixXd>& values, const Matrix12d& own) {
   const Index n = dof(index);
   const Index at = first(index);
   blocks_[index].pose = pose;
   if (slow) blocks_[index + 1].slow = slow;
-  values.middleCols(at, n) = own.topLeftCorner(n, n);
   covariance_.middleCols(at, n) = values.transpose();
   covariance_.middleRows(at, n) = values;
+  covariance_.block(at, at, n, n) = own.topLeftCorner(n, n);
 }
 
 void JointGaussian::transform(std::size_t index, const MatrixXd& f) {
@@ -183,8 +173,12 @@ void JointGaussian::add_noise(std::size_t index, const Matrix6d& q) {
 }
 
 void JointGaussian::move_camera_by(std::size_t motion, const Matrix6d& transfer) {
-  rows(covariance_, kCamera) += transfer * covariance_.middleRows<6>(first(motion));
-  columns(covariance_, kCamera) += covariance_.middleCols<6>(first(motion)) * transfer.transpose();
+  KeptMatrix<> added_rows(kPoseDof, covariance_.cols());
+  added_rows.get().noalias() = transfer * covariance_.middleRows<6>(first(motion));
+  rows(covariance_, kCamera) += added_rows.get();
+  KeptMatrix<6> added_columns(covariance_.rows());
+  added_columns.get().noalias() = covariance_.middleCols<6>(first(motion)) * transfer.transpose();
+  columns(covariance_, kCamera) += added_columns.get();
 }
 
 Vector6d JointGaussian::move_active(const Eigen::VectorXd& mean) {

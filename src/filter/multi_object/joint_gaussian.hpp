@@ -85,9 +85,9 @@ class JointGaussian {
 
   /// Eq. (31): its information W^-1 = N^T B^-1 N, where N has these factors. None with passive
   /// blocks, and where the covariance is numerically not positive definite.
-  std::optional<Matrix6d> world_information(const std::vector<Matrix6d>& moved) const;
+  std::optional<Matrix6d> world_information(const WorldMoves& moved) const;
   /// B <- B - N D N^T, with all blocks active.
-  void take_out(const Matrix6d& d, const std::vector<Matrix6d>& moved);
+  void take_out(const Matrix6d& d, const WorldMoves& moved);
   /// Adds the covariance of an independent shift to all poses in the world.
   void add_world_error(const Matrix6d& shift);
 
@@ -109,11 +109,11 @@ class JointGaussian {
   /// coordinate of active blocks and carriers.
   Eigen::MatrixXd rows_of(std::size_t index);
   /// The rows that an object would have that depends on the rest through the camera alone.
-  Eigen::MatrixXd regressed_rows(const ConditionalPose& object) const;
+  KeptMatrix<> regressed_rows(const ConditionalPose& object) const;
   /// Replaces the object at `index`, which is active, and its rows of the covariance; the part in
   /// its own columns is `own`.
   void set_rows(std::size_t index, const SE3d& pose, const std::optional<Vector6d>& slow,
-                Eigen::MatrixXd rows, const Matrix12d& own);
+                const Eigen::Ref<const Eigen::MatrixXd>& rows, const Matrix12d& own);
   /// x <- F x for the coordinates x of the object at `index`, with F of 6 or 12 rows.
   void transform(std::size_t index, const Eigen::MatrixXd& f);
   /// Moves the object at `index` and its slow error by [xi_O; b].
@@ -198,7 +198,7 @@ class JointGaussian {
   Eigen::Index dof(std::size_t index) const { return offset(blocks_of(index)); }
   Eigen::Index rig_dof() const { return offset(1 + extrinsics_); }
   /// First coordinates of the active poses in the world, and of the carrier of its shifts.
-  std::vector<Eigen::Index> world_coordinates() const;
+  KeptVector<Eigen::Index> world_coordinates() const;
   /// update() in the columns of what the detection sees, for an object of Own coordinates; none
   /// where the covariance is nearly singular.
   template <int Own>

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/kept_matrices.hpp"
 #include "detection_update.hpp"
 #include "filter/world_shift.hpp"
 #include "posemix/lie/pose_blocks.hpp"
@@ -63,7 +64,7 @@ struct CameraChange {
   Matrix6d covariance;  ///< of K z
   /// Covariance of the error of every coordinate of the joint Gaussian after the detection with K
   /// z.
-  Eigen::Matrix<double, Eigen::Dynamic, 6> error_covariance;
+  KeptMatrix<6> error_covariance;
   /// Mean of [xi_C; xi_E ...]; empty where all cameras are exact.
   Eigen::VectorXd rig_mean = {};
 };
@@ -72,6 +73,9 @@ struct CameraChange {
 Matrix12x6d regression_on_camera(const Matrix12x6d& cross_covariance, const Matrix6d& camera);
 /// The same on the camera and the extrinsics, 12 rows.
 Eigen::MatrixXd regression_on_rig(const ConditionalPose& object, const Eigen::MatrixXd& rig);
+
+/// How a shift of the world moves every block of a joint Gaussian.
+using WorldMoves = KeptVector<Matrix6d>;
 
 /// Six columns of a covariance.
 using SixColumns = Eigen::Matrix<double, Eigen::Dynamic, 6>;

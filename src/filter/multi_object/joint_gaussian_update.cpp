@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
+#include <utility>
 
 #include "camera_regression.hpp"
 #include "joint_gaussian.hpp"
 #include "pair_columns.hpp"
 
-/// The update of the joint Gaussian by a detection, eq. (5) to (8), (10), (13) and (14) of
+/// The update of the joint Gaussian by a detection, eq. (5) to (8), (13) and (14) of
 /// docs/many-objects.md.
 namespace posemix::internal {
 namespace {
@@ -109,16 +110,20 @@ std::optional<CameraChange> JointGaussian::update_columns(std::size_t index,
   // E[e (K z)^T] with e = e_0 - K z is (1 - g) D S^-1 D_C^T g_C.
   const double g = factors.camera;
   CameraChange change{Vector6d::Zero(), g * g * pair.camera_reduction(),
-                      SixColumns::Zero(covariance_.rows(), 6)};
+                      KeptMatrix<6>(covariance_.rows())};
   if (g < 1.0 || factors.slow < 1.0) {
-    const SixColumns reduction = g * pair.reduction_with_camera();
-    change.error_covariance = (1.0 - g) * reduction;
-    change.error_covariance.middleRows<6>(first(index)).setZero();
+    auto with_error = change.error_covariance.get();
+    pair.set_reduction_with_camera(with_error);
+    with_error *= g;
     if constexpr (Own > 6) {
       const Index slow = first(index + 1);
-      change.error_covariance.middleRows<6>(slow) =
-          (1.0 - factors.slow) * reduction.middleRows<6>(slow);
+      const Matrix6d own = (1.0 - factors.slow) * with_error.middleRows<6>(slow);
+      with_error *= 1.0 - g;
+      with_error.middleRows<6>(slow) = own;
+    } else {
+      with_error *= 1.0 - g;
     }
+    with_error.middleRows<6>(first(index)).setZero();
   }
   change.mean = move_active(pair.mean());
   move_passive(pair.mean());
@@ -130,9 +135,9 @@ CameraChange JointGaussian::update(std::size_t index, const Explanation& leading
                                    const ObservationSource& source) {
   activate(index);
   if (extrinsics_ == 0 && (alternative.weight < kNegligibleWeight || is_small(index))) {
-    const auto change = dof(index) == 6 ? update_columns<6>(index, leading, alternative, factors)
-                                        : update_columns<12>(index, leading, alternative, factors);
-    if (change) return *change;
+    auto change = dof(index) == 6 ? update_columns<6>(index, leading, alternative, factors)
+                                  : update_columns<12>(index, leading, alternative, factors);
+    if (change) return *std::move(change);
   }
   return update_densely(index, leading, alternative, factors, source);
 }
@@ -158,7 +163,9 @@ CameraChange JointGaussian::update_densely(std::size_t index, const Explanation&
   // E[e (K z)^T] with e = e_0 - K z is (1 - g) D S^-1 D_C^T g_C.
   const SixColumns reduction = update.camera_reduction();
   CameraChange change{Vector6d::Zero(), factors.camera * factors.camera * reduction.topRows<6>(),
-                      factors.camera * (VectorXd::Ones(n) - gain).asDiagonal() * reduction};
+                      KeptMatrix<6>(n)};
+  change.error_covariance.get() =
+      factors.camera * (VectorXd::Ones(n) - gain).asDiagonal() * reduction;
   if (alternative.weight < kNegligibleWeight) {
     covariance_ = std::move(b);
   } else if (!is_small(index)) {
@@ -291,44 +298,6 @@ void JointGaussian::project_near(std::size_t index, const Explanation& leading,
   const MatrixXd left = r * m;
   b.triangularView<Eigen::Lower>() += left * r.transpose();
   b.triangularView<Eigen::StrictlyUpper>() = b.transpose();
-}
-
-std::vector<Index> JointGaussian::world_coordinates() const {
-  std::vector<Index> coordinates;
-  for (std::size_t i = 0; i < size(); ++i)
-    if (is_in_world(i) && is_active(i)) coordinates.push_back(first(i));
-  for (const Carrier& carrier : carriers_)
-    if (!carrier.columns) coordinates.push_back(carrier.at);
-  return coordinates;
-}
-
-void JointGaussian::add_world_error(const Matrix6d& shift) {
-  const std::vector<Index> poses = world_coordinates();
-  for (const Index i : poses) {
-    for (const Index k : poses) covariance_.block<6, 6>(i, k) += shift;
-  }
-}
-
-/// Poses get the shift of the world, with the carrier of shifts.
-void JointGaussian::shift_back(const CameraChange& change, const Matrix6d& back) {
-  const SE3d shift = SE3d::exp(-back * change.mean);
-  const Matrix6d added = back * change.covariance * back.transpose();
-  for (std::size_t i = 0; i < size(); ++i)
-    if (is_in_world(i)) blocks_[i].pose = shift * blocks_[i].pose;
-  for (Carrier& carrier : carriers_)
-    if (!carrier.columns) carrier.mean -= back * change.mean;
-  const std::vector<Index> poses = world_coordinates();
-  const SixColumns with_error = change.error_covariance * back.transpose();
-  for (Index i = 0; i < covariance_.rows(); i += kPoseDof) {
-    const Matrix6d own = with_error.middleRows<6>(i);
-    const bool is_pose = std::find(poses.begin(), poses.end(), i) != poses.end();
-    for (const Index k : poses) {
-      covariance_.block<6, 6>(i, k) += own;
-      covariance_.block<6, 6>(k, i) += own.transpose();
-      if (is_pose) covariance_.block<6, 6>(i, k) += added;
-    }
-  }
-  symmetrize(covariance_);
 }
 
 }  // namespace posemix::internal

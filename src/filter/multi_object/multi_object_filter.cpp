@@ -100,7 +100,10 @@ void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camer
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   check_pose(camera_object, "detection");
-  return hypotheses_of_all().update(object, observation_of(camera_object), {});
+  // Of this thread, so that its memory stays.
+  static thread_local Observation one = observation_of(SE3d());
+  one.components.front().pose = camera_object;
+  return hypotheses_of_all().update(object, one, {});
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observation& observation,

@@ -39,7 +39,7 @@ DetectorNoise with_reduced_offsets(const DetectorNoise& noise, const SymmetryGro
   return DetectorNoise(std::move(components), noise.clutter(), noise.dependence());
 }
 
-const ObservationComponent& heaviest(const std::vector<ObservationComponent>& components) {
+const ObservationComponent& heaviest(std::span<const ObservationComponent> components) {
   return *std::max_element(components.begin(), components.end(),
                            [](const auto& a, const auto& b) { return a.weight < b.weight; });
 }
@@ -220,22 +220,21 @@ ObservedDetection MultiObjectState::observe(std::size_t j, const Observation& ob
   WeighedObservation weighed =
       weigh(observation, detector.sensor(), detector.weight_share(observation, now_s), source);
   weighed.clarity = clarity(observation.components);
-  return observe(j, weighed);
+  return observe(j, std::move(weighed));
 }
 
-ObservedDetection MultiObjectState::observe(std::size_t j,
-                                            const WeighedObservation& observation) const {
+ObservedDetection MultiObjectState::observe(std::size_t j, WeighedObservation observation) const {
   const TrackedObject& object = objects[j];
-  const LearnedSensor& detector = object.detectors[observation.source.detector];
+  const ObservationSource source = observation.source;
+  const LearnedSensor& detector = object.detectors[source.detector];
   const ObjectSensor& sensor = detector.sensor();
-  ObservedDetection result{observation, {}, {}, {}, detector.new_share(now_s)};
+  ObservedDetection result{std::move(observation), {}, {}, {}, detector.new_share(now_s)};
   result.factors = gain_factors(object, result.observation);
   if (object.put_down) {
-    const std::size_t d = observation.source.detector;
-    const DetectorModes& modes = object.put_down->detectors[d];
+    const DetectorModes& modes = object.put_down->detectors[source.detector];
     const double stay =
         detector.detections() > 0 ? modes.persistence(detector.seconds_since(now_s)) : 0.0;
-    const ShownModes shown{modes, d, stay, observation.clutter};
+    const ShownModes shown{modes, source.detector, stay, result.observation.clutter};
     result.put_down = object.belief.observe_put_down(
         joint, result.observation, sensor, result.factors, shown, explained, result.updates);
   } else {
@@ -257,9 +256,9 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   object.last_update = ++update_count;
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
-  const std::vector<DetectionUpdate>& updates = observed.updates;
+  const DetectionUpdates& updates = observed.updates;
   const double share = detector.count_detection(observed.observation, now_s);
-  std::vector<Alternative> births;
+  Alternatives births;
   if (object.put_down) {
     births = take_in_put_down(object, observed, may_start);
   } else {

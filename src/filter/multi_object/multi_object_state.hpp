@@ -41,10 +41,10 @@ inline constexpr double kLeftOfWorld = 0.01;
 /// An observation of one object as its hypotheses see it.
 struct ObservedDetection {
   WeighedObservation observation;
-  std::vector<DetectionUpdate> updates;  ///< by hypothesis
-  GainFactors factors;                   ///< of the updates
-  std::vector<bool> explained;           ///< by component, whether any hypothesis explains it
-  double share = 1.0;                    ///< of the detection that is new, for probabilities
+  DetectionUpdates updates;    ///< by hypothesis
+  GainFactors factors;         ///< of the updates
+  KeptVector<bool> explained;  ///< by component, whether any hypothesis explains it
+  double share = 1.0;          ///< of the detection that is new, for probabilities
   std::optional<PutDownEvidence> put_down = {};  ///< for an object that is put down elsewhere
 };
 
@@ -61,7 +61,7 @@ std::pair<WeighedObservation, WeighedObservation> parted(const WeighedObservatio
                                                          std::size_t k);
 
 /// Of every component of an observation, whether it may start hypotheses.
-using Starters = std::vector<bool>;
+using Starters = KeptVector<bool>;
 
 /// The state under one global hypothesis, and its change by a detection.
 struct MultiObjectState {
@@ -74,7 +74,7 @@ struct MultiObjectState {
   ObservedDetection observe(std::size_t j, const Observation& observation,
                             const ObservationSource& source) const;
   /// The same for a part of an observation.
-  ObservedDetection observe(std::size_t j, const WeighedObservation& observation) const;
+  ObservedDetection observe(std::size_t j, WeighedObservation observation) const;
   ObjectUpdateReport update(std::size_t j, const ObservedDetection& observed,
                             const Starters& may_start, LogTotals& evidence);
   /// One more camera on the body, before any object is seen.
@@ -173,29 +173,26 @@ struct MultiObjectState {
 
  private:
   /// N of eq. (31): how a shift of the world moves every block of the joint Gaussian.
-  std::vector<Matrix6d> moved_by_world() const;
+  WorldMoves moved_by_world() const;
   /// Erases a pose of the joint Gaussian.
   void erase(std::size_t pose_index);
   /// A camera whose rotation is less certain than a uniform one becomes independent of all else.
   void release_lost_camera();
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
-  std::vector<Alternative> births_of(const TrackedObject& object,
-                                     const WeighedObservation& observation,
-                                     const Starters& may_start, double share,
-                                     BirthPlaces* put_down = nullptr);
+  Alternatives births_of(const TrackedObject& object, const WeighedObservation& observation,
+                         const Starters& may_start, double share, BirthPlaces* put_down = nullptr);
   /// The weights of an object that is put down elsewhere, and the hypotheses that begin.
-  std::vector<Alternative> take_in_put_down(TrackedObject& object,
-                                            const ObservedDetection& observed,
-                                            const Starters& may_start);
+  Alternatives take_in_put_down(TrackedObject& object, const ObservedDetection& observed,
+                                const Starters& may_start);
   /// A hypothesis of the object where a component of the noise has its mode, without a weight.
   Alternative birth_at(const TrackedObject& object, const WeighedObservation& observation,
                        const ObservationComponent& seen, const NoiseComponent& mode) const;
   void learn(TrackedObject& object, const DetectionUpdate& leading,
              const WeighedObservation& observation);
   void move_poses(TrackedObject& object, const ObservedDetection& observed, bool damped,
-                  double log_evidence, std::vector<Alternative>& births);
+                  double log_evidence, Alternatives& births);
   void shift_back(const TrackedObject& detected, bool damped, const CameraChange& change,
-                  std::vector<Alternative>& births);
+                  Alternatives& births);
   std::size_t reduce(TrackedObject& object);
 };
 

@@ -45,7 +45,7 @@ constexpr double kLargestGivenScale = 10.0;
 
 }  // namespace
 
-double clarity(const std::vector<ObservationComponent>& components) {
+double clarity(std::span<const ObservationComponent> components) {
   double first = 0.0;
   double second = 0.0;
   for (const ObservationComponent& component : components) {

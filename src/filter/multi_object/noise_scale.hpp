@@ -12,7 +12,7 @@
 namespace posemix::internal {
 
 /// Log ratio of the two largest weights; zero for one component.
-double clarity(const std::vector<ObservationComponent>& components);
+double clarity(std::span<const ObservationComponent> components);
 
 /// The detector of one object: its noise as given, and the scale of the noise that is learned from
 /// the innovations of the leading hypothesis (docs/many-objects.md, "The scale of the noise").

@@ -110,26 +110,24 @@ void ObjectBelief::move_pose_index_up(std::size_t erased, std::size_t blocks) {
   if (leader_ && leader_->pose_index > erased) leader_->pose_index -= blocks;
 }
 
-std::vector<DetectionUpdate> ObjectBelief::observe(const JointGaussian& joint,
-                                                   const WeighedObservation& observation,
-                                                   const ObjectSensor& sensor,
-                                                   const GainFactors& factors) const {
-  std::vector<DetectionUpdate> updates;
+DetectionUpdates ObjectBelief::observe(const JointGaussian& joint,
+                                       const WeighedObservation& observation,
+                                       const ObjectSensor& sensor,
+                                       const GainFactors& factors) const {
+  DetectionUpdates updates;
   updates.reserve(size());
   for (std::size_t h = 0; h < size(); ++h) {
     const DetectionState seen_from = state_from(joint, h, observation.source);
-    updates.push_back(
-        moved_by(joint, h, observation.source, explain(seen_from, observation, sensor), factors));
+    updates.push_back(moved_by(joint, h, seen_from, observation.source,
+                               explain(seen_from, observation, sensor), factors));
   }
   return updates;
 }
 
 DetectionUpdate ObjectBelief::moved_by(const JointGaussian& joint, std::size_t h,
-                                       const ObservationSource& source, Explanation explanation,
-                                       const GainFactors& factors) const {
-  if (joint.extrinsics() == 0) {
-    return internal::moved_by(std::move(explanation), state_from(joint, h, source), factors);
-  }
+                                       const DetectionState& state, const ObservationSource& source,
+                                       Explanation explanation, const GainFactors& factors) const {
+  if (joint.extrinsics() == 0) return internal::moved_by(std::move(explanation), state, factors);
   const ConditionalPose object = pose(joint, h);
   const Eigen::Index rig = joint.rig().rows();
   Eigen::MatrixXd covariance(rig + 12, rig + 12);
@@ -140,7 +138,7 @@ DetectionUpdate ObjectBelief::moved_by(const JointGaussian& joint, std::size_t h
   return internal::moved_by(std::move(explanation), joint.seen_by(source), covariance, factors);
 }
 
-void ObjectBelief::multiply_weights(const std::vector<DetectionUpdate>& updates, double log_clutter,
+void ObjectBelief::multiply_weights(const DetectionUpdates& updates, double log_clutter,
                                     double share) {
   for (std::size_t h = 0; h < size(); ++h) {
     Standing& standing = mutable_standing(h);
@@ -154,7 +152,7 @@ void ObjectBelief::multiply_weights(const std::vector<DetectionUpdate>& updates,
   log_absence_probability_ += std::isfinite(log_clutter) ? share * log_clutter : log_clutter;
 }
 
-void ObjectBelief::update_scores(const std::vector<DetectionUpdate>& updates, double log_clutter,
+void ObjectBelief::update_scores(const DetectionUpdates& updates, double log_clutter,
                                  double memory) {
   for (std::size_t h = 0; h < size(); ++h) {
     double& score = mutable_standing(h).score;
@@ -167,7 +165,7 @@ void ObjectBelief::count_detection() {
   for (std::size_t h = 0; h < size(); ++h) ++mutable_standing(h).detections;
 }
 
-double ObjectBelief::log_total(const std::vector<Alternative>& births) const {
+double ObjectBelief::log_total(const Alternatives& births) const {
   return log_sum_exp(size() + births.size() + 1, [&](std::size_t i) {
     if (i < size()) return standing(i).log_weight;
     i -= size();
@@ -175,9 +173,8 @@ double ObjectBelief::log_total(const std::vector<Alternative>& births) const {
   });
 }
 
-CameraAlternative ObjectBelief::camera_alternative(const std::vector<DetectionUpdate>& updates,
-                                                   const std::vector<Alternative>& births,
-                                                   double log_evidence,
+CameraAlternative ObjectBelief::camera_alternative(const DetectionUpdates& updates,
+                                                   const Alternatives& births, double log_evidence,
                                                    const CameraMoments& before) const {
   const auto weight = [&](double log_weight) { return std::exp(log_weight - log_evidence); };
   CameraMixture cases(before);
@@ -188,7 +185,7 @@ CameraAlternative ObjectBelief::camera_alternative(const std::vector<DetectionUp
   return cases.moments();
 }
 
-void ObjectBelief::add(JointGaussian& joint, const std::vector<Alternative>& births) {
+void ObjectBelief::add(JointGaussian& joint, const Alternatives& births) {
   auto next = births.begin();
   if (!leader_ && next != births.end()) {
     leader_ = {next->standing, 0, joint.append(next->pose)};

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/kept_memory.hpp"
 #include "camera_regression.hpp"
 #include "filter/moving/mode_weights.hpp"
 #include "joint_gaussian.hpp"
@@ -48,6 +49,8 @@ struct Alternative {
   ConditionalPose pose;
 };
 
+using Alternatives = KeptVector<Alternative>;
+
 /// Runnalls' bound on the loss of one Gaussian for the camera where it has the moments `b` with
 /// probability `weight` and `a` else [nats].
 double merge_loss(double weight, const CameraMoments& a, const CameraMoments& b);
@@ -81,7 +84,7 @@ struct WorldPart {
 
 /// The hypotheses of an object in another state, with the weights that they get in a mixture.
 struct OtherBelief {
-  std::vector<Alternative> hypotheses;  ///< depend on the camera alone, as this state has it
+  Alternatives hypotheses;  ///< depend on the camera alone, as this state has it
   LogTotals log_absence;
   bool shares_leader;  ///< whether the joint Gaussian has the moments of both leading ones already
   std::vector<ModeWeights> lost_shown = {};  ///< ObjectBelief::lost_shown()
@@ -160,35 +163,30 @@ class ObjectBelief {
   void release_camera();
   /// Adds P_OC times `factor` to P_OC of every alternative; with extrinsics, [P_OC P_OE ...] times
   /// as many rows.
-  void add_to_cross_covariances(const Eigen::MatrixXd& factor);
+  void add_to_cross_covariances(const Eigen::Ref<const SixColumns>& factor);
 
   // --- the stages of an update
 
   /// Eq. (2) to (4): the update of every hypothesis on its own pair, by index.
-  std::vector<DetectionUpdate> observe(const JointGaussian& joint,
-                                       const WeighedObservation& observation,
-                                       const ObjectSensor& sensor,
-                                       const GainFactors& factors) const;
+  DetectionUpdates observe(const JointGaussian& joint, const WeighedObservation& observation,
+                           const ObjectSensor& sensor, const GainFactors& factors) const;
   /// Multiplies the weight of every hypothesis by its evidence and that of absence by clutter's;
   /// the probabilities by the same to the power `share`, the part of the detection that is
   /// independent of those before.
-  void multiply_weights(const std::vector<DetectionUpdate>& updates, double log_clutter,
-                        double share);
+  void multiply_weights(const DetectionUpdates& updates, double log_clutter, double share);
   /// s <- memory s + log sum_c exp e_c - e_0 (docs/many-objects.md, "Reduction").
-  void update_scores(const std::vector<DetectionUpdate>& updates, double log_clutter,
-                     double memory);
+  void update_scores(const DetectionUpdates& updates, double log_clutter, double memory);
   /// Counts one more detection for every hypothesis.
   void count_detection();
   /// Log of the summed weights of hypotheses, births and absence [nats].
-  double log_total(const std::vector<Alternative>& births) const;
+  double log_total(const Alternatives& births) const;
   /// The camera's moments (m_a, P_a) and weight w_a under everything but the leading hypothesis,
   /// see eq. (6). Births and absence leave the camera at `before`, its covariance.
-  CameraAlternative camera_alternative(const std::vector<DetectionUpdate>& updates,
-                                       const std::vector<Alternative>& births, double log_evidence,
-                                       const CameraMoments& before) const;
+  CameraAlternative camera_alternative(const DetectionUpdates& updates, const Alternatives& births,
+                                       double log_evidence, const CameraMoments& before) const;
   /// Eq. (9) for the object that was detected: every alternative takes its own posterior pair, then
   /// follows the camera to `after`.
-  void follow_camera(const std::vector<DetectionUpdate>& updates, const CameraMoments& after);
+  void follow_camera(const DetectionUpdates& updates, const CameraMoments& after);
   /// Eq. (9) for an object that was not detected.
   void follow_camera(const CameraRegression& step);
 
@@ -213,12 +211,11 @@ class ObjectBelief {
                                    const WeighedObservation& observation,
                                    const ObjectSensor& sensor, const GainFactors& factors,
                                    const ShownModes& shown, double explained,
-                                   std::vector<DetectionUpdate>& updates) const;
+                                   DetectionUpdates& updates) const;
   /// The weights, modes and scores after such an observation, whose components are at `places`.
-  void take_in(const PutDownEvidence& seen, const std::vector<DetectionUpdate>& updates,
+  void take_in(const PutDownEvidence& seen, const DetectionUpdates& updates,
                const std::vector<std::uint64_t>& places,
-               const std::vector<ObservationComponent>& components, double log_clutter,
-               double memory);
+               std::span<const ObservationComponent> components, double log_clutter, double memory);
   /// The weight of objects that were put down at the place of hypothesis `h`.
   void add_jump(std::size_t h, double log_weight, std::size_t detector, std::size_t mode);
   /// Drops hypotheses that do not lead and have no weight.
@@ -227,7 +224,7 @@ class ObjectBelief {
   // --- the stages of the reduction
 
   /// Appends hypotheses. The first one of an object leads and enters the joint Gaussian.
-  void add(JointGaussian& joint, const std::vector<Alternative>& births);
+  void add(JointGaussian& joint, const Alternatives& births);
   /// Merges hypotheses that agree up to a symmetry. Returns the number of merges.
   std::size_t merge(JointGaussian& joint, const SymmetryGroup& symmetries,
                     const MergeBounds& bounds);
@@ -272,8 +269,8 @@ class ObjectBelief {
   /// The leading hypothesis gets the largest weight there is: a camera that followed a heavier one,
   /// of less probability, would take the pose of the leading one anywhere.
   void catch_up();
-  /// The update of hypothesis `h` by an observation with this explanation.
-  DetectionUpdate moved_by(const JointGaussian& joint, std::size_t h,
+  /// The update of hypothesis `h`, which is `state`, by an observation with this explanation.
+  DetectionUpdate moved_by(const JointGaussian& joint, std::size_t h, const DetectionState& state,
                            const ObservationSource& source, Explanation explanation,
                            const GainFactors& factors) const;
   /// The places of all hypotheses, and runs at a place that become such at another.
@@ -294,7 +291,7 @@ class ObjectBelief {
                  const ConditionalPose& at_b);
 
   std::optional<Leader> leader_;
-  std::vector<Alternative> alternatives_;  ///< in the order of their births
+  Alternatives alternatives_;  ///< in the order of their births
   double log_absent_ = 0.0;
   double log_absence_probability_ = 0.0;
   std::vector<ModeWeights> lost_shown_;  ///< by detector; empty unless it is put down elsewhere

@@ -18,7 +18,8 @@ bool is_positive_definite_given_rig(const ConditionalPose& object, const Eigen::
 
 /// Covariance of camera and extrinsics after a shift of the world.
 Eigen::MatrixXd shifted_rig(Eigen::MatrixXd rig, const CameraChange& change, const Matrix6d& back) {
-  const SixColumns with_error = change.error_covariance.topRows(rig.rows()) * back.transpose();
+  const SixColumns with_error =
+      change.error_covariance.get().topRows(rig.rows()) * back.transpose();
   rig.leftCols<6>() += with_error;
   rig.topRows<6>() += with_error.transpose();
   rig.topLeftCorner<6, 6>() += back * change.covariance * back.transpose();
@@ -38,7 +39,7 @@ bool is_positive_definite_given(const ConditionalPose& object, const Matrix6d& c
 
 void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6d& back,
                 const Matrix12x6d& follows) {
-  const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
+  const Matrix6d with_error = change.error_covariance.get().topRows<6>() * back.transpose();
   const Matrix12x6d x = follows * with_error;
   const Matrix6d added = back * change.covariance * back.transpose();
   pose.pose = SE3d::exp(-back * change.mean) * pose.pose;
@@ -54,7 +55,8 @@ void shift_back_with_rig(ConditionalPose& pose, const CameraChange& change, cons
                          const Eigen::MatrixXd& follows) {
   const Eigen::Index extrinsics = follows.cols() - 6;
   shift_back(pose, change, back, Matrix12x6d::Zero());
-  const SixColumns with_error = change.error_covariance.topRows(follows.cols()) * back.transpose();
+  const SixColumns with_error =
+      change.error_covariance.get().topRows(follows.cols()) * back.transpose();
   const Matrix12x6d x = follows * with_error;
   pose.covariance.leftCols<6>() += x;
   pose.covariance.topRows<6>() += x.transpose();
@@ -71,8 +73,7 @@ void shift_back(ConditionalPose& pose, const CameraChange& change, const Matrix6
   }
 }
 
-void ObjectBelief::follow_camera(const std::vector<DetectionUpdate>& updates,
-                                 const CameraMoments& after) {
+void ObjectBelief::follow_camera(const DetectionUpdates& updates, const CameraMoments& after) {
   for (std::size_t i = 0; i < alternatives_.size(); ++i) {
     const DetectionMoments& own = updates[index_of(i)].posterior;
     ConditionalPose& object = alternatives_[i].pose;
@@ -96,7 +97,7 @@ void ObjectBelief::shift_back(const CameraChange& change, const Matrix6d& back,
   const Eigen::MatrixXd rig_after =
       camera.rig.empty() ? Eigen::MatrixXd() : shifted_rig(rig, change, back);
   const Cholesky6 factor(camera.covariance);
-  const Matrix6d with_error = change.error_covariance.topRows<6>() * back.transpose();
+  const Matrix6d with_error = change.error_covariance.get().topRows<6>() * back.transpose();
   const Matrix6d shifted =
       with_error + with_error.transpose() + back * change.covariance * back.transpose();
   for (Alternative& alternative : alternatives_) {

@@ -94,7 +94,7 @@ void ObjectBelief::release_camera() {
   for (Alternative& alternative : alternatives_) alternative.pose.cross_covariance.setZero();
 }
 
-void ObjectBelief::add_to_cross_covariances(const Eigen::MatrixXd& factor) {
+void ObjectBelief::add_to_cross_covariances(const Eigen::Ref<const SixColumns>& factor) {
   const Matrix6d of_camera = factor.topRows<6>();
   for (Alternative& alternative : alternatives_) {
     Matrix12x6d change = alternative.pose.cross_covariance * of_camera;

@@ -87,7 +87,8 @@ double weigh(ModeWeights& shown, ModeEvidence& seen, const Densities& densities,
   begun *= scale;
   explanation.clutter_probability = total > 0.0 ? 1.0 - right * scale : 1.0;
   explanation.log_weights = 0.0;
-  explanation.squared_distances = seen.squared_distances;
+  explanation.squared_distances.assign(seen.squared_distances.begin(),
+                                       seen.squared_distances.end());
   const std::size_t n = explanation.noise_components;
   std::vector<double> within(modes.count(), 0.0);
   for (std::size_t i = 0; i < explanation.innovations.size(); ++i)
@@ -183,8 +184,7 @@ PutDownEvidence ObjectBelief::observe_put_down(const JointGaussian& joint,
                                                const WeighedObservation& observation,
                                                const ObjectSensor& sensor,
                                                const GainFactors& factors, const ShownModes& shown,
-                                               double explained,
-                                               std::vector<DetectionUpdate>& updates) const {
+                                               double explained, DetectionUpdates& updates) const {
   const std::vector<std::uint64_t> all = places();
   const WrongShares wrong = wrong_shares(shown.clutter, kDetectors.isolated_clutter);
   WeighedObservation right = observation;
@@ -209,8 +209,8 @@ PutDownEvidence ObjectBelief::observe_put_down(const JointGaussian& joint,
     result.shown.push_back(drawn(standing(h).shown[shown.detector], all[h]));
     result.begun.push_back(
         weigh(result.shown.back(), seen[h], densities, wrong.alone, shown.modes));
-    updates.push_back(
-        moved_by(joint, h, observation.source, std::move(seen[h].explanation), factors));
+    updates.push_back(moved_by(joint, h, state_from(joint, h, observation.source),
+                               observation.source, std::move(seen[h].explanation), factors));
   }
   result.lost = drawn(lost_shown_[shown.detector], kAnyPlace);
   result.lost_right = result.lost.right.row(0);
@@ -226,9 +226,9 @@ PutDownEvidence ObjectBelief::observe_put_down(const JointGaussian& joint,
   return result;
 }
 
-void ObjectBelief::take_in(const PutDownEvidence& seen, const std::vector<DetectionUpdate>& updates,
+void ObjectBelief::take_in(const PutDownEvidence& seen, const DetectionUpdates& updates,
                            const std::vector<std::uint64_t>& places,
-                           const std::vector<ObservationComponent>& components, double log_clutter,
+                           std::span<const ObservationComponent> components, double log_clutter,
                            double memory) {
   // Runs that began are at the places of the observation's components, at its own of which the
   // detector is right.

@@ -48,7 +48,7 @@ void ObjectBelief::merge_two(JointGaussian& joint, std::size_t a, std::size_t b,
   // The rows of the joint Gaussian: those of the leading one, and the regression of the other.
   const std::size_t index = leader_->pose_index;
   const auto rows_at = [&](std::size_t h, const ConditionalPose& at) {
-    return leads(h) ? joint.rows_of(index) : joint.regressed_rows(at);
+    return leads(h) ? joint.rows_of(index) : Eigen::MatrixXd(joint.regressed_rows(at).get());
   };
   const ConditionalPose both = midway.merged(at_a, at_b);
   joint.activate(index);

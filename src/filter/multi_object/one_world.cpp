@@ -33,9 +33,9 @@ struct LeadingPair {
 
 /// None where an object has a leading hypothesis in one state alone, or where two are not near, as
 /// seen from the camera; `there` takes the world of `b` to that of `a`.
-std::optional<std::vector<LeadingPair>> near_pairs(const MultiObjectState& a,
-                                                   const MultiObjectState& b, const SE3d& there) {
-  std::vector<LeadingPair> pairs;
+std::optional<KeptVector<LeadingPair>> near_pairs(const MultiObjectState& a,
+                                                  const MultiObjectState& b, const SE3d& there) {
+  KeptVector<LeadingPair> pairs;
   for (std::size_t j = 0; j < a.objects.size(); ++j) {
     const auto x = a.objects[j].belief.pose_index();
     const auto y = b.objects[j].belief.pose_index();

@@ -23,11 +23,12 @@ constexpr double kLeastPivot = 1e-8;
 /// The factor by which (I + Phi N)^-1 may be larger than the identity, and lose digits.
 constexpr double kMostAmplified = 1e4;
 
-const Innovation& heaviest(const std::vector<Innovation>& innovations) {
+const Innovation& heaviest(const KeptVector<Innovation>& innovations) {
   return *std::max_element(innovations.begin(), innovations.end(),
                            [](const auto& a, const auto& b) { return a.weight < b.weight; });
 }
 
+template <int Own>
 PairWorkspace& workspace() {
   static thread_local PairWorkspace kept;
   return kept;
@@ -38,7 +39,7 @@ PairWorkspace& workspace() {
 template <int Own>
 PairUpdate<Own>::PairUpdate(const MatrixXd& covariance, Index object, const Explanation& leading,
                             const GainFactors& gain)
-    : work_(workspace()),
+    : work_(workspace<Own>()),
       object_(object),
       gain_(gain),
       main_(heaviest(leading.innovations)),
@@ -65,12 +66,15 @@ PairUpdate<Own>::PairUpdate(const MatrixXd& covariance, Index object, const Expl
   set_difference(f.middleCols<6>(6), covariance.middleCols<6>(object), covariance.leftCols<6>());
   if constexpr (Own > 6) {
     f.rightCols<6>() = covariance.middleCols<6>(object + 6);
-    subtract_product(f.middleCols<6>(6), f.rightCols<6>(), -main_.slow_map);
+    const Matrix6d less = -main_.slow_map;
+    subtract_product(f.middleCols<6>(6), f.rightCols<6>(), less);
   }
   solve_transposed_from_right(whitening_.factor(), f.middleCols<6>(6));
-  mean_ = product(seen(), gain_.camera * moved_);
-  mean_.segment<Own>(object) = seen().template middleRows<Own>(object) * moved_;
-  if constexpr (Own > 6) mean_.segment<6>(object + 6) *= gain_.slow;
+  Eigen::VectorXd& mean = work_.mean;
+  const Seen moved = gain_.camera * moved_;
+  set_product(mean, seen(), moved);
+  mean.segment<Own>(object) = seen().template middleRows<Own>(object) * moved_;
+  if constexpr (Own > 6) mean.segment<6>(object + 6) *= gain_.slow;
 }
 
 template <int Own>
@@ -131,25 +135,28 @@ typename PairUpdate<Own>::Square PairUpdate<Own>::object_covariance(
 
 template <int Own>
 void PairUpdate<Own>::change_covariance(const ConstMatrixRef& columns,
-                                        const ConstMatrixRef& weighted, const ConstMatrixRef& l,
-                                        const Square& own, MatrixXd& covariance) {
-  MatrixXd& object = work_.object;
-  object = covariance.middleCols<Own>(object_);
-  subtract_product(object, columns, -l);
-  object.middleRows<Own>(object_) = 0.5 * (own + own.transpose());
+                                        const ConstMatrixRef& weighted,
+                                        const ConstMatrixRef& object, const Square& own,
+                                        MatrixXd& covariance) {
+  MatrixXd& changed = work_.object;
+  changed = covariance.middleCols<Own>(object_);
+  subtract_product(changed, columns, object);
+  changed.middleRows<Own>(object_) = 0.5 * (own + own.transpose());
   subtract_lower_product(covariance, columns, weighted);
   mirror_lower_in_place(covariance);
-  covariance.middleCols<Own>(object_) = object;
-  covariance.middleRows<Own>(object_) = object.transpose();
+  covariance.middleCols<Own>(object_) = changed;
+  covariance.middleRows<Own>(object_) = changed.transpose();
 }
 
 template <int Own>
 void PairUpdate<Own>::take_leading(MatrixXd& covariance) {
   const Square own = object_covariance(covariance);
-  MatrixXd& weighted = work_.weighted;
-  weighted.setZero(covariance.rows(), Own);
+  work_.weighted.resize(covariance.rows(), kAll);
+  auto weighted = work_.weighted.template leftCols<Own>();
+  weighted.setZero();
   subtract_product(weighted, seen(), change(gain_.camera, gain_.camera));
-  change_covariance(seen(), weighted, object_change(Square::Zero()), own, covariance);
+  const Square object = -object_change(Square::Zero());
+  change_covariance(seen(), weighted, object, own, covariance);
 }
 
 template <int Own>
@@ -169,7 +176,8 @@ bool PairUpdate<Own>::given_the_rest(const MatrixXd& covariance, Square& own) {
   for (Index k = 0; k < object_; ++k) copy_column(k, k);
   for (Index k = 0; k < rest; ++k) copy_column(object_ + Own + k, object_ + k);
   for (Index k = 0; k < Own; ++k) copy_column(object_ + k, n - Own + k);
-  const Eigen::VectorXd variances = ordered.diagonal();
+  Eigen::VectorXd& variances = work_.variances;
+  variances = ordered.diagonal();
   if (!factor_in_place(ordered)) return false;
   const double least =
       ordered.diagonal().array().square().cwiseQuotient(variances.array()).minCoeff();
@@ -202,13 +210,16 @@ void PairUpdate<Own>::take_moments(const Eigen::Matrix<double, kAll, 1>& shift, 
       c_phi.template rightCols<Own>().lazyProduct(change(gain_.camera, gain_.camera));
   const Square own = object_covariance(covariance) + difference.lazyProduct(c_phi.transpose());
   l.template rightCols<Own>() += c_y;
-  const Seen own_mean = mean_.segment<Own>(object_) + c_phi * shift;
-  mean_ += product(f, shift);
-  mean_.segment<Own>(object_) = own_mean;
+  Eigen::VectorXd& mean = work_.mean;
+  const Seen own_mean = mean.segment<Own>(object_) + c_phi * shift;
+  set_product(work_.moved, f, shift);
+  mean += work_.moved;
+  mean.segment<Own>(object_) = own_mean;
   MatrixXd& weighted = work_.weighted;
   weighted.setZero(covariance.rows(), kAll);
   subtract_product(weighted, f, q);
-  change_covariance(f, weighted, l, own, covariance);
+  const Wide object = -l;
+  change_covariance(f, weighted, object, own, covariance);
 }
 
 template <int Own>
@@ -250,10 +261,10 @@ Matrix6d PairUpdate<Own>::camera_reduction() const {
 }
 
 template <int Own>
-Eigen::Matrix<double, Eigen::Dynamic, 6> PairUpdate<Own>::reduction_with_camera() const {
+void PairUpdate<Own>::set_reduction_with_camera(MatrixRef rows) const {
   const Eigen::Matrix<double, Own, 6> with_camera =
       reduction_.lazyProduct(seen().template topRows<6>().transpose());
-  return seen() * with_camera;
+  rows.noalias() = seen() * with_camera;
 }
 
 template class PairUpdate<6>;

@@ -12,12 +12,15 @@
 /// docs/many-objects.md.
 namespace posemix::internal {
 
-/// Memory of updates, which a thread keeps.
+/// Memory of updates, which a thread keeps for objects of each size.
 struct PairWorkspace {
   Eigen::MatrixXd columns;   ///< F, the covariance with [xi_C; y], whitened
   Eigen::MatrixXd weighted;  ///< F Q
   Eigen::MatrixXd ordered;   ///< the covariance with the object last, then its factor
   Eigen::MatrixXd object;    ///< the columns of the object
+  Eigen::VectorXd mean;      ///< of all coordinates
+  Eigen::VectorXd moved;     ///< a part of it
+  Eigen::VectorXd variances;
 };
 
 /// An update of a joint covariance, of which the camera has the first coordinates, by a detection
@@ -44,10 +47,10 @@ class PairUpdate {
                                   const Matrix6d& camera, Eigen::MatrixXd& covariance);
 
   /// Mean of all coordinates, in the tangent spaces at the means before.
-  const Eigen::VectorXd& mean() const { return mean_; }
-  /// D sum_c a_c S_c^-1 D_C^T with D = P H^T, for the rows of the camera and for all rows.
+  const Eigen::VectorXd& mean() const { return work_.mean; }
+  /// D sum_c a_c S_c^-1 D_C^T with D = P H^T, for the rows of the camera, and for all rows.
   Matrix6d camera_reduction() const;
-  Eigen::Matrix<double, Eigen::Dynamic, 6> reduction_with_camera() const;
+  void set_reduction_with_camera(MatrixRef rows) const;
 
  private:
   static constexpr int kAll = 6 + Own;
@@ -71,10 +74,11 @@ class PairUpdate {
   /// Eq. (30), with the mean shifted by F `shift`.
   void take_moments(const Eigen::Matrix<double, kAll, 1>& shift, const All& q, const Wide& c_phi,
                     const Square& c_y, Eigen::MatrixXd& covariance);
-  /// The covariance less columns * weighted^T, but the object's columns plus columns * l^T and its
-  /// block `own`.
+  /// The covariance less columns * weighted^T, but the object's columns less columns * object^T and
+  /// its block `own`.
   void change_covariance(const ConstMatrixRef& columns, const ConstMatrixRef& weighted,
-                         const ConstMatrixRef& l, const Square& own, Eigen::MatrixXd& covariance);
+                         const ConstMatrixRef& object, const Square& own,
+                         Eigen::MatrixXd& covariance);
   /// Rows of [xi_O - xi_C; b] become those of whitened y.
   Wide whitened(const Wide& rows) const;
   /// Columns of [xi_O - xi_C; b] become those of whitened y.
@@ -90,7 +94,6 @@ class PairUpdate {
   Seen moved_ = Seen::Zero();
   Square reduction_ = Square::Zero();  ///< sum_c a_c h_c S_c^-1 h_c^T
   Square spread_ = Square::Zero();     ///< sum_c a_c u_c u_c^T less that of the mean
-  Eigen::VectorXd mean_;
 };
 
 extern template class PairUpdate<6>;

@@ -10,9 +10,9 @@
 namespace posemix::internal {
 
 /// Eq. (22) and (23). Returns the hypotheses that begin.
-std::vector<Alternative> MultiObjectState::take_in_put_down(TrackedObject& object,
-                                                            const ObservedDetection& observed,
-                                                            const Starters& may_start) {
+Alternatives MultiObjectState::take_in_put_down(TrackedObject& object,
+                                                const ObservedDetection& observed,
+                                                const Starters& may_start) {
   constexpr double kPi = std::numbers::pi;
   const PutDownEvidence& seen = *observed.put_down;
   const WeighedObservation& observation = observed.observation;
@@ -24,7 +24,7 @@ std::vector<Alternative> MultiObjectState::take_in_put_down(TrackedObject& objec
   for (const double part : seen.lost_right) jumps.log_modes.push_back(log_density + std::log(part));
   for (const auto& h : seen.explaining)
     jumps.places.push_back(h ? place_of(belief.standing(*h).id) : kAnyPlace);
-  std::vector<Alternative> births = births_of(object, observation, may_start, 1.0, &jumps);
+  Alternatives births = births_of(object, observation, may_start, 1.0, &jumps);
   belief.take_in(seen, observed.updates, jumps.places, observation.components,
                  observation.log_absence, settings.score_memory);
   for (std::size_t i = 0; i < seen.explaining.size(); ++i) {

@@ -38,7 +38,7 @@ double MultiObjectState::tie_loss(std::size_t j, const ObservedDetection& observ
   double starting = 0.0;
   for (std::size_t k = 0; k < may_start.size(); ++k)
     starting += may_start[k] ? observation.components[k].weight : 0.0;
-  std::vector<Alternative> births;
+  Alternatives births;
   if (starting > 0.0) {
     births.push_back({{}, {{}, {}, Matrix12d::Zero(), Matrix12x6d::Zero()}});
     births.front().standing.log_weight =
@@ -94,10 +94,10 @@ namespace {
 /// Hypotheses of an object of another state, as they are given a camera that changed from `before`
 /// to `after`, with their weights times those of the state. Of the one that leads in both only the
 /// weight is needed.
-std::vector<Alternative> given_camera(const MultiObjectState& other, const ObjectBelief& belief,
-                                      const LogTotals& weight, bool shares_leader,
-                                      const CameraMoments& before, const CameraMoments& after) {
-  std::vector<Alternative> list;
+Alternatives given_camera(const MultiObjectState& other, const ObjectBelief& belief,
+                          const LogTotals& weight, bool shares_leader, const CameraMoments& before,
+                          const CameraMoments& after) {
+  Alternatives list;
   const CameraRegression step(before, after);
   for (std::size_t h = 0; h < belief.size(); ++h) {
     Alternative one{belief.standing(h), {{}, {}, Matrix12d::Zero(), Matrix12x6d::Zero()}};

@@ -9,9 +9,8 @@ namespace posemix::internal {
 /// The camera and the leading hypotheses move by eq. (5) to (8), and every other hypothesis follows
 /// the camera by eq. (9).
 void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection& observed,
-                                  bool damped, double log_evidence,
-                                  std::vector<Alternative>& births) {
-  const std::vector<DetectionUpdate>& updates = observed.updates;
+                                  bool damped, double log_evidence, Alternatives& births) {
+  const DetectionUpdates& updates = observed.updates;
   ObjectBelief& belief = object.belief;
   const CameraMoments before = joint.camera_moments();
   const CameraAlternative alternative =
@@ -34,7 +33,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
 /// Eq. (10): a shift of the world takes a part of the camera's correction back, so that all poses
 /// relative to each other stay as they are.
 void MultiObjectState::shift_back(const TrackedObject& detected, bool damped,
-                                  const CameraChange& change, std::vector<Alternative>& births) {
+                                  const CameraChange& change, Alternatives& births) {
   Vector6d taken;
   taken.head<3>().setConstant(1.0 - settings.camera_rotation_correction);
   taken.tail<3>().setConstant(1.0 - settings.camera_position_correction);

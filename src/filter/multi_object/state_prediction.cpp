@@ -50,15 +50,17 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
   // grows by P_OC P_CC^-1 P_CV F^T. Then the joint Gaussian.
   // With extrinsics it grows by the regression on camera and extrinsics.
   const Eigen::LLT<Matrix6d> before(joint.covariance(kCamera, kCamera));
-  Eigen::MatrixXd with_motion =
-      Matrix6d(before.solve(joint.covariance(kCamera, at)) * transfer.transpose());
-  if (joint.extrinsics() > 0) {
+  KeptMatrix<6> with_motion(joint.rig().rows());
+  if (joint.extrinsics() == 0) {
+    with_motion.get() =
+        Matrix6d(before.solve(joint.covariance(kCamera, at)) * transfer.transpose());
+  } else {
     Eigen::MatrixXd columns(joint.rig().rows(), 6);
     for (std::size_t i = 0; i <= joint.extrinsics(); ++i)
       rows(columns, i) = joint.covariance(i, at);
-    with_motion = joint.rig().llt().solve(columns) * transfer.transpose();
+    with_motion.get() = joint.rig().llt().solve(columns) * transfer.transpose();
   }
-  for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_motion);
+  for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_motion.get());
   joint.move_camera_by(at, transfer);
   const SE3d moved = camera * SE3d::exp(periods * velocity.log());
   joint.set_pose(kCamera, moved);

@@ -103,8 +103,8 @@ void ObjectBelief::take_out_world_error(const WorldPart& part, const CameraMomen
   }
 }
 
-std::vector<Matrix6d> MultiObjectState::moved_by_world() const {
-  std::vector<Matrix6d> moved(joint.size(), Matrix6d::Zero());
+WorldMoves MultiObjectState::moved_by_world() const {
+  WorldMoves moved(joint.size(), Matrix6d::Zero());
   moved[kCamera].setIdentity();
   for (const TrackedObject& object : objects) {
     if (const auto index = object.belief.pose_index())
