@@ -64,7 +64,13 @@ class Cholesky6 {
   /// X S^-1 for X of six columns.
   template <class Derived>
   typename Derived::PlainObject solved_rows(const Eigen::MatrixBase<Derived>& given) const {
-    typename Derived::PlainObject x = whitened_rows(given);
+    return after_whitening(whitened_rows(given));
+  }
+
+  /// X L^-1 for X of six columns.
+  template <class Derived>
+  typename Derived::PlainObject after_whitening(const Eigen::MatrixBase<Derived>& whitened) const {
+    typename Derived::PlainObject x = whitened;
     for (Eigen::Index j = 5; j >= 0; --j) {
       for (Eigen::Index k = j + 1; k < 6; ++k) x.col(j) -= x.col(k) * l_(k, j);
       x.col(j) *= reciprocals_[j];

@@ -5,6 +5,7 @@
 #include <array>
 #include <bit>
 #include <cstdlib>
+#include <limits>
 #include <new>
 
 namespace posemix::internal {
@@ -20,6 +21,9 @@ std::size_t index_of(std::size_t bytes) {
 }
 
 constexpr std::size_t size_at(std::size_t index) { return kKeptAlignment << index; }
+
+/// No array is larger [bytes].
+constexpr std::size_t kLargest = std::numeric_limits<std::ptrdiff_t>::max() - kKeptAlignment;
 
 /// A piece that is not used has the address of the next one in it.
 struct Piece {
@@ -66,10 +70,11 @@ void* kept_memory(std::size_t bytes) {
     pieces.bytes -= size_at(index);
     return piece;
   }
+  if (bytes > kLargest) throw std::bad_alloc();
   const std::size_t size = index < kSizes
                                ? size_at(index)
                                : (bytes + kKeptAlignment - 1) / kKeptAlignment * kKeptAlignment;
-  void* const memory = size < bytes ? nullptr : std::aligned_alloc(kKeptAlignment, size);
+  void* const memory = std::aligned_alloc(kKeptAlignment, size);
   if (memory == nullptr) throw std::bad_alloc();
   return memory;
 }

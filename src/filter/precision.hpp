@@ -50,20 +50,36 @@ inline void require_near_origin(const SE3d& pose, std::string_view name) {
                   name, distance / 1000.0, kFarthestPrior / 1000.0));
 }
 
-/// @throws InvalidInput when rounding leaves nothing of the errors of a pose that is far from the
-/// origin of the world. `name` begins the message.
-inline void require_precise(const ConcentratedGaussian<SE3d>& pose, std::string_view name) {
-  const double distance = pose.mean().translation().norm();
-  if (!(distance > kFarFromOrigin_m)) return;
+/// Whether rounding leaves something of the errors of a pose, far from the origin.
+inline bool is_precise(const ConcentratedGaussian<SE3d>& pose) {
+  if (!(pose.mean().translation().norm() > kFarFromOrigin_m)) return true;
   const auto there = seen_from_near(pose);
   const double stated = pose.covariance().diagonal().tail<3>().maxCoeff();
   const double left = there.covariance().diagonal().tail<3>().minCoeff();
-  if (left * kLargestVarianceRatio > stated && Cholesky6(there.covariance()).ok()) return;
+  return left * kLargestVarianceRatio > stated && Cholesky6(there.covariance()).ok();
+}
+
+/// @throws InvalidInput when rounding leaves nothing of the errors of a pose that is far from the
+/// origin of the world. `name` begins the message.
+inline void require_precise(const ConcentratedGaussian<SE3d>& pose, std::string_view name) {
+  if (is_precise(pose)) return;
   throw InvalidInput(fmt::format(
       "{} is {:.3g} km from the origin of the world, where double precision holds no covariance of "
       "it that has a standard deviation of {:.3g} m; expected a world whose origin is near the "
       "scene",
-      name, distance / 1000.0, std::sqrt(stated)));
+      name, pose.mean().translation().norm() / 1000.0,
+      std::sqrt(pose.covariance().diagonal().tail<3>().maxCoeff())));
+}
+
+/// The same of a pose in the world of a filter, whose origin is near the camera.
+inline void require_precise_here(const ConcentratedGaussian<SE3d>& pose, std::string_view name) {
+  if (is_precise(pose)) return;
+  throw InvalidInput(fmt::format(
+      "{} is {:.3g} km from the camera, from where its rotation moves it by {:.3g} m (standard "
+      "deviation), beside which double precision does not hold its own error; expected one that "
+      "is nearer, or a rotation that is more certain",
+      name, pose.mean().translation().norm() / 1000.0,
+      std::sqrt(pose.covariance().diagonal().tail<3>().maxCoeff())));
 }
 
 }  // namespace posemix::internal

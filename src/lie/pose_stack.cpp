@@ -25,6 +25,7 @@ void write_inverse_jacobians(const Eigen::VectorXd& xi, TwistMatrix<double>* blo
 
 Eigen::MatrixXd sum_of(std::span<const MovedCovariance> parts, const Eigen::MatrixXd& d) {
   const auto poses = static_cast<std::size_t>(d.rows() / kPoseDof);
+  if (poses == 0) return Eigen::MatrixXd(0, 0);
   Blocks blocks(poses * parts.size());
   std::vector<Congruence> congruences(parts.size());
   for (std::size_t k = 0; k < parts.size(); ++k) {

@@ -6,6 +6,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/slam/multi_object_slam.hpp"
+#include "trial_camera.hpp"
 
 namespace posemix {
 
@@ -18,7 +19,7 @@ std::size_t MultiObjectSlam::add(ObjectModel model) {
   models.push_back(model);
   require_alike_in_class(models);
   // A tracker of this model alone throws for one that is not valid, before anything changes.
-  static_cast<void>(MultiObjectSlam(filter_.camera(), {model}, settings_, motion_));
+  static_cast<void>(MultiObjectSlam(internal::trial_camera({model}), {model}, settings_, motion_));
   return add_object(std::move(model));
 }
 

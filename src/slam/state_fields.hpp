@@ -7,6 +7,7 @@
 
 #include "filter/moving/state_fields.hpp"
 #include "posemix/slam/stamped_slam.hpp"
+#include "trial_camera.hpp"
 
 /// Settings, models and tracks of object SLAM in a saved state.
 namespace posemix::internal {
@@ -229,8 +230,8 @@ struct StateFields<MultiObjectSlam> {
   }
   static void validate(const MultiObjectSlam& x) {
     // A new tracker with the same models and settings throws where they are not valid.
-    const MultiObjectSlam fresh(ConcentratedGaussian<SE3d>(SE3d(), Matrix6d::Identity()),
-                                x.objects_.models(), x.settings_, x.motion_, x.record_hypotheses_);
+    const MultiObjectSlam fresh(trial_camera(x.objects_.models()), x.objects_.models(), x.settings_,
+                                x.motion_, x.record_hypotheses_);
     require_state(x.filter_.object_count() == x.objects_.size() &&
                       StateFields<InstanceTracks>::size(x.tracks_) == x.objects_.size() &&
                       x.filter_.extrinsic_count() == fresh.filter_.extrinsic_count(),

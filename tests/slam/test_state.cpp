@@ -231,6 +231,39 @@ TEST(State, AnObjectThatIsAddedIsOneOfTheOthers) {
   EXPECT_EQ(slam.objects().size(), 2U);
 }
 
+/// A session far from the origin of the world, with an object that is known there; or one that
+/// drove there from an uncertain start. Models are judged by themselves.
+TEST(State, OfSessionsFarFromTheOriginAreRestoredAndTakeModels) {
+  for (const bool has_prior : {true, false}) {
+    testing::OrbitScene scene(1, 2, 0.05, 1e-3);
+    const SE3d far(SO3d(), {has_prior ? 5e5 : 0.0, 0.0, 0.0});
+    const Matrix6d sharp = testing::isotropic(0.4, 0.001);
+    const DetectorNoise noise({{.weight = 0.9, .covariance = sharp}},
+                              {.weight = 0.1, .volume_m3 = 1.0});
+    std::vector<ObjectModel> models{{.id = "box", .noise = noise}, {.id = "mug", .noise = noise}};
+    if (has_prior) {
+      const SE3d known = far * scene.truth[0];
+      models[0].prior =
+          ObjectPrior{{known, far.adjoint_congruence(testing::isotropic(0.5, 0.005))}, 0.9};
+    }
+    const Matrix6d start = testing::isotropic(has_prior ? 0.5 : 100.0, 0.005);
+    MultiObjectSlam slam({far * scene.camera, far.adjoint_congruence(start)}, models);
+    for (int k = 0; k < 20; ++k) {
+      FrameInput input{.dt = 0.1, .motion = scene.advance()};
+      for (std::size_t j = 0; j < 2; ++j) {
+        input.detections.emplace_back(scene.camera.inverse() * scene.truth[j] *
+                                      SE3d::exp(testing::draw(sharp, scene.stream)));
+      }
+      slam.step(input);
+    }
+    for (int k = 0; !has_prior && k < 100; ++k)
+      slam.step({.dt = 1.0, .motion = SE3d(SO3d(), {0.0, 0.0, 1e4}), .detections = {{}, {}}});
+    MultiObjectSlam loaded = reloaded(slam);
+    EXPECT_EQ(loaded.add({.id = "new", .noise = noise}), 2);
+    EXPECT_EQ(slam.add({.id = "new", .noise = noise}), 2);
+  }
+}
+
 TEST(State, ConfigurationsDifferInWhatIsNamed) {
   const StampedSlam slam = RichScene::slam();
   EXPECT_TRUE(configuration_differences(reloaded(slam), slam).empty());

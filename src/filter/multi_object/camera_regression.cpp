@@ -41,6 +41,14 @@ std::optional<MatrixXd> low_rank_reduction(const MatrixXd& before, const MatrixX
   return l;
 }
 
+/// Every six rows times the inverse of the factor of their block.
+void whiten_rows(const std::vector<Cholesky6>& blocks, MatrixXd& m) {
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    auto own = m.middleRows<6>(offset(i));
+    own = blocks[i].whitened_rows(own.transpose()).transpose().eval();
+  }
+}
+
 /// A pose that turns by more than this has been taken beyond any rotation [rad].
 constexpr double kMostTurn = 4.0;
 
@@ -49,11 +57,18 @@ constexpr double kMostVariance = 4.0;
 
 }  // namespace
 
-RegularFactor::RegularFactor(const MatrixXd& covariance)
-    : unit_(covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse()) {
+RegularFactor::RegularFactor(const MatrixXd& covariance) {
   constexpr double kNearlySingular = 1e-13;
   constexpr double kLeastAdded = 1e-9;
-  MatrixXd correlation = unit_.asDiagonal() * covariance * unit_.asDiagonal();
+  MatrixXd correlation = covariance;
+  for (Index i = 0; i < covariance.rows(); i += kPoseDof) {
+    blocks_.emplace_back(Matrix6d(covariance.block<6, 6>(i, i)));
+    correlation.middleCols<6>(i) = blocks_.back().whitened_rows(correlation.middleCols<6>(i));
+  }
+  whiten_rows(blocks_, correlation);
+  // What rounding leaves of the whitened blocks themselves.
+  for (Index i = 0; i < covariance.rows(); i += kPoseDof)
+    correlation.block<6, 6>(i, i).setIdentity();
   correlation_.compute(correlation);
   for (double next = kLeastAdded; next < 1.0; next *= 10.0) {
     if (correlation_.info() == Eigen::Success && correlation_.rcond() > kNearlySingular) return;
@@ -64,8 +79,20 @@ RegularFactor::RegularFactor(const MatrixXd& covariance)
 }
 
 MatrixXd RegularFactor::solve(const MatrixXd& columns) const {
-  const MatrixXd scaled = unit_.asDiagonal() * columns;
-  return unit_.asDiagonal() * correlation_.solve(scaled);
+  MatrixXd whitened = columns;
+  whiten_rows(blocks_, whitened);
+  MatrixXd solved = correlation_.solve(whitened);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    auto own = solved.middleRows<6>(offset(i));
+    own = blocks_[i].after_whitening(own.transpose()).transpose().eval();
+  }
+  return solved;
+}
+
+void RegularFactor::add_to(MatrixXd& covariance) const {
+  if (added_ == 0.0) return;
+  for (Index i = 0; i < covariance.rows(); i += kPoseDof)
+    covariance.block<6, 6>(i, i) *= 1.0 + added_;
 }
 
 bool is_rotation(const Vector6d& moved, const Matrix6d& covariance) {

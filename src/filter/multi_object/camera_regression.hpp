@@ -2,26 +2,29 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <vector>
+
 #include "base/cholesky6.hpp"
 #include "joint_gaussian.hpp"
 
 namespace posemix::internal {
 
-/// Cholesky factor of a covariance of which rounding may have left little: that of a map that is
-/// certain in itself and not of where it is. Where the correlations are nearly singular, whatever
-/// the units, the variances are larger by a part `added` of themselves, 1e-9 if that is enough,
-/// which the caller adds to what it takes the factor of.
+/// Cholesky factor of a covariance of blocks of six coordinates of which rounding may have left
+/// little: that of a map that is certain in itself and not of where it is. Where the correlations
+/// between the blocks are nearly singular, whatever the units and wherever the origin, the
+/// covariance of every block is larger by a part of itself, 1e-9 if that is enough.
 class RegularFactor {
  public:
   explicit RegularFactor(const Eigen::MatrixXd& covariance);
 
   /// P^-1 X.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& columns) const;
-  double added() const { return added_; }
+  /// Makes the blocks on the diagonal of a covariance larger by the same part.
+  void add_to(Eigen::MatrixXd& covariance) const;
 
  private:
-  Eigen::VectorXd unit_;  ///< one over the standard deviations
-  Eigen::LLT<Eigen::MatrixXd> correlation_;
+  std::vector<Cholesky6> blocks_;
+  Eigen::LLT<Eigen::MatrixXd> correlation_;  ///< of the blocks, whitened by their own factors
   double added_ = 0.0;
 };
 

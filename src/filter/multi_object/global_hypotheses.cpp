@@ -140,6 +140,7 @@ Starters unexplained(const KeptVector<ObservedDetection>& observed) {
 
 ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& observation,
                                             const ObservationSource& source) {
+  stay_near_the_origin();
   const auto led = leading_id(j);
   activate(j);
   KeptVector<ObservedDetection> observed;
@@ -170,7 +171,6 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   reduce();
   take_out_world_error();
   share_next_id();
-  stay_near_the_origin();
   const auto leads = leading_id(j);
   report.changed_leader = leads && leads != led;
   return report;

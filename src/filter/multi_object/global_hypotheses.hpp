@@ -63,7 +63,7 @@ class GlobalHypotheses {
   template <class Predict>
   void for_each(Predict predict) {
     for (Weighted& one : list_) predict(one.state);
-    stay_near_the_origin();
+    reset_reports();
   }
   /// One observation of object `j`.
   ObjectUpdateReport update(std::size_t j, const Observation& observation,

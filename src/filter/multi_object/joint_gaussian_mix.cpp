@@ -121,7 +121,7 @@ VectorXd JointGaussian::regressed_on(const std::vector<Index>& s, const VectorXd
     covariance_(r, s) = rows;
     covariance_(s, r) = rows.transpose();
     covariance_(r, r) = own_block;
-    covariance_.diagonal() *= 1.0 + regular.added();
+    regular.add_to(covariance_);
   }
   covariance_(s, s) = covariance_s;
   symmetrize(covariance_);

@@ -211,7 +211,7 @@ void JointGaussian::project(std::size_t index, double w_a, VectorXd& mean, const
   covariance_.middleCols(at, own)(s, Eigen::all) = row.transpose();
   covariance_.block(at, at, own, own) =
       b.block(at, at, own, own) + g * (b_s - before) * g.transpose();
-  covariance_.diagonal() *= 1.0 + regular.added();
+  regular.add_to(covariance_);
   symmetrize(covariance_);
 }
 
@@ -292,7 +292,7 @@ void JointGaussian::project_near(std::size_t index, const Explanation& leading,
   const MatrixXd b_t = b(Eigen::all, t);
   const MatrixXd before = b_t(t, Eigen::all);
   const RegularFactor regular(before);
-  b.diagonal() *= 1.0 + regular.added();
+  regular.add_to(b);
   const MatrixXd r = b_t * regular.solve(MatrixXd(covariance_(t, pair)));
   mean.noalias() += r * (w_a * apart);
   const MatrixXd left = r * m;

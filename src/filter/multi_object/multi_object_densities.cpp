@@ -125,6 +125,7 @@ JointState MultiObjectFilter::joint_state(
     to_world.move_rows(rows(state.covariance, i));
     to_world.move_columns(columns(state.covariance, i));
   }
+  symmetrize(state.covariance);
   state.poses = PoseStackd(std::move(poses));
   return state;
 }

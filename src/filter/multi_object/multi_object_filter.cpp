@@ -145,7 +145,8 @@ std::size_t MultiObjectFilter::add_object(ObjectSensor object,
   if (prior) {
     check_density(prior->world, "the prior");
     near->world = hypotheses_of_all().to_world().inverse()(prior->world);
-    require_precision(near->world.covariance(), object, "the prior");
+    require_precision(seen_from_near(prior->world).covariance(), object, "the prior");
+    require_precise_here(near->world, "the prior");
     if (!(prior->probability > 0.0 && prior->probability <= 1.0)) {
       throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
                                      prior->probability));
@@ -191,8 +192,10 @@ std::vector<ObjectHypothesis> MultiObjectFilter::hypotheses(std::size_t object) 
   for (std::size_t h = 0; h < tracked.belief.size(); ++h) {
     const Standing& standing = tracked.belief.standing(h);
     const DetectionState state = current().reported(tracked, h);
+    Matrix6d covariance = to_world(state.covariance.block<6, 6>(kObjectRow, kObjectRow));
+    symmetrize(covariance);
     list.push_back({.pose = to_world(state.object),
-                    .covariance = to_world(state.covariance.block<6, 6>(kObjectRow, kObjectRow)),
+                    .covariance = covariance,
                     .cross_covariance = to_world(state.covariance.block<6, 6>(kObjectRow, 0)),
                     .log_weight = standing.log_weight,
                     .probability = probabilities[h],

@@ -10,6 +10,12 @@
 namespace posemix::internal {
 namespace {
 
+/// Variance of the camera's rotation in the world, (20 deg)^2, beyond which nothing becomes passive
+/// [rad^2]: what objects have apart from it would be lost in it. With the error of the world kept
+/// beside the joint Gaussian there is none, but between a prior or a camera that is given and what
+/// is learned of the world by it.
+constexpr double kUncertainWorld = 0.122;
+
 /// Whether the same hypothesis of an object leads, or none, in both.
 bool led_alike(const ObjectBelief& a, const ObjectBelief& b) {
   if (!a.leading() || !b.leading()) return a.leading().has_value() == b.leading().has_value();
@@ -21,6 +27,8 @@ bool led_alike(const ObjectBelief& a, const ObjectBelief& b) {
 std::vector<bool> GlobalHypotheses::objects_kept(std::size_t j) const {
   const MultiObjectState& first = list_.front().state;
   const ActiveLimits& limits = first.limits;
+  if (first.joint.covariance(kCamera, kCamera).diagonal().head<3>().maxCoeff() > kUncertainWorld)
+    return {};
   if (std::all_of(list_.begin(), list_.end(), [&](const Weighted& one) {
         const JointGaussian& joint = one.state.joint;
         return joint.active() <= (joint.active() == joint.size() ? limits.dense : limits.most);

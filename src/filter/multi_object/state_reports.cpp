@@ -77,6 +77,7 @@ ConcentratedGaussian<PoseStackd> MultiObjectState::reported_joint(
     to_world.move_rows(rows(covariance, pose_of[i]));
     to_world.move_columns(columns(covariance, pose_of[i]));
   }
+  symmetrize(covariance);
   return ConcentratedGaussian<PoseStackd>::trusted(PoseStackd(std::move(poses)),
                                                    std::move(covariance));
 }

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "multi_object_scene.hpp"
+
+/// Objects that are far from the camera, which has driven away or is given elsewhere: nothing of
+/// them is lost to rounding.
+namespace posemix {
+namespace {
+
+using testing::draw;
+using testing::isotropic;
+using testing::OrbitScene;
+
+/// Of a pose that turns about its own place, in the world.
+Matrix6d about(const Eigen::Vector3d& place, double rotation_deg, double translation_m) {
+  return SE3d(SO3d(), place).adjoint_congruence(isotropic(rotation_deg, translation_m));
+}
+
+/// NEES per degree of freedom, as seen from a world whose origin is at the pose.
+double nees(const ConcentratedGaussian<SE3d>& found, const SE3d& truth) {
+  const SE3d near(SO3d(), -truth.translation());
+  const Matrix6d p = near.adjoint_congruence(found.covariance());
+  const Vector6d error = ((near * truth) * (near * found.mean()).inverse()).log();
+  return error.dot(p.llt().solve(error)) / 6.0;
+}
+
+void see(MultiObjectFilter& filter, OrbitScene& scene, std::size_t objects) {
+  for (std::size_t j = 0; j < objects; ++j) filter.update(j, scene.detect(j, 0.0, 0.0));
+}
+
+/// The way of a robot that drives away and comes back.
+struct Trip {
+  double start_deg;
+  double distance_m;
+  int frames;
+};
+
+class FarObjects : public ::testing::TestWithParam<Trip> {};
+
+TEST_P(FarObjects, StayAsTheyAreWhileARobotDrivesAwayAndComesBack) {
+  const auto [start_deg, distance_m, frames] = GetParam();
+  OrbitScene scene(3, 3, 0.05, 6e-4);
+  MultiObjectFilter filter({scene.camera, about(scene.camera.translation(), start_deg, 0.005)},
+                           std::vector<ObjectSensor>(3, {testing::ray_noise()}), {});
+  for (int k = 0; k < 30; ++k) {
+    filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    see(filter, scene, 3);
+  }
+  const auto before = filter.leading_estimates();
+  const SE3d step(SO3d(), {0.0, 0.0, distance_m / frames});
+  for (const SE3d& motion : {step, step.inverse()}) {
+    for (int k = 0; k < frames; ++k) filter.predict_with_odometry(motion, Matrix6d::Zero(), 0.1);
+    for (std::size_t j = 0; j < 3; ++j) {
+      // The constructor refuses what is not symmetric and positive definite.
+      for (const ObjectHypothesis& h : filter.hypotheses(j))
+        EXPECT_NO_THROW(ConcentratedGaussian<SE3d>(h.pose, h.covariance));
+      const auto now = filter.leading_estimates()[j];
+      EXPECT_LT((now->world.mean().inverse() * before[j]->world.mean()).log().norm(), 1e-12);
+      EXPECT_LT((now->world.covariance() - before[j]->world.covariance()).norm(),
+                1e-12 * before[j]->world.covariance().norm());
+    }
+    EXPECT_NO_THROW(
+        ConcentratedGaussian<PoseStackd>(filter.joint().mean(), filter.joint().covariance()));
+  }
+  for (int k = 0; k < 10; ++k) see(filter, scene, 3);
+  for (std::size_t j = 0; j < 3; ++j) {
+    const auto relative = filter.leading_estimates()[j]->relative;
+    EXPECT_LT(nees(relative, scene.camera.inverse() * scene.truth[j]), 3.0) << j;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Trips, FarObjects,
+                         ::testing::Values(Trip{0.05, 15e3, 5000}, Trip{0.5, 3e3, 1500},
+                                           Trip{0.5, 1e6, 10000}, Trip{90.0, 5e4, 500},
+                                           Trip{90.0, 1e6, 10000}));
+
+/// The shelf is known far from where the robot begins, which is told later to be near it.
+TEST(KnownObjectsFarAway, KeepWhatIsKnownOfThem) {
+  for (const double distance : {3e5, 9e5}) {
+    for (const bool first : {true, false}) {
+      OrbitScene scene(5, 3, 0.05, 6e-4);
+      const SE3d far(SO3d(), {distance, 0.2 * distance, 0.0});
+      const SE3d shelf = far * scene.truth[0];
+      MultiObjectFilter filter({scene.camera, isotropic(0.5, 0.005)},
+                               std::vector<ObjectSensor>(3, {testing::ray_noise()}), {});
+      const auto add = [&] {
+        return filter.add_object(
+            {testing::ray_noise()},
+            ObjectPrior{{shelf, about(shelf.translation(), 0.5, 0.005)}, 0.95});
+      };
+      if (first) add();
+      for (int k = 0; k < 30; ++k) {
+        filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+        see(filter, scene, 3);
+      }
+      const SE3d there = far * scene.camera;
+      const Matrix6d given = about(there.translation(), 20.0, 1.0);
+      const SE3d near_there(SO3d(), there.translation());
+      filter.set_camera({near_there * SE3d::exp(draw(isotropic(10.0, 0.5), scene.stream)) *
+                             near_there.inverse() * there,
+                         given},
+                        0.1);
+      if (!first) add();
+      for (int k = 0; k < 30; ++k) {
+        if (k > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+        filter.update(3, scene.detect(0, 0.0, 0.0));
+      }
+      const auto found = filter.leading_estimates()[3];
+      const Matrix6d own =
+          SE3d(SO3d(), -shelf.translation()).adjoint_congruence(found->world.covariance());
+      EXPECT_NEAR(std::sqrt(own(4, 4)), 0.005, 2e-4) << distance << first;
+      EXPECT_LT(nees(found->world, shelf), 3.0) << distance << first;
+      EXPECT_LT(nees(filter.camera(), far * scene.camera), 4.0) << distance << first;
+    }
+  }
+}
+
+TEST(KnownObjectsFarAway, AreRefusedForTheirOwnErrorsAndNotForWhereTheCameraIs) {
+  const SE3d object = testing::pose(0.2, 0.1, 0.0, 0.1, 0.1, 0.05);
+  const auto add = [&](double camera_m, double rotation_deg) {
+    MultiObjectFilter filter(
+        {SE3d(SO3d(), {camera_m, 0.0, 0.0}), about({camera_m, 0.0, 0.0}, 0.5, 0.005)},
+        std::vector<ObjectSensor>(), {});
+    DetectorNoise sharp({{.weight = 1.0, .covariance = isotropic(0.5, 0.002)}});
+    filter.add_object({sharp}, ObjectPrior{{object, isotropic(rotation_deg, 0.02)}, 0.9});
+  };
+  EXPECT_NO_THROW(add(3e5, 2.0));
+  EXPECT_NO_THROW(add(1e6, 2.0));
+  EXPECT_NO_THROW(add(1e4, 104.0));
+  try {
+    add(1e6, 104.0);
+    ADD_FAILURE() << "taken";
+  } catch (const InvalidInput& error) {
+    EXPECT_NE(std::string(error.what()).find("the prior is 1e+03 km from the camera"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+/// More objects than are active at once, in a world of which nothing is known but where the camera
+/// is: what objects have apart from it stays.
+TEST(ManyObjects, StayRightInAnUncertainWorldBesideAKnownObject) {
+  constexpr std::size_t kObjects = 50;
+  for (const bool is_seen : {false, true}) {
+    OrbitScene scene(1, kObjects, 0.05, 6e-4);
+    for (std::size_t j = 0; j < kObjects; ++j) {
+      const auto row = static_cast<double>(j / 9), column = static_cast<double>(j % 9);
+      scene.truth[j] = testing::pose(0.3 * column, 0.2, 0.5 - row, 0.08 * (column - 4.0),
+                                     0.08 * (row - 3.0), 0.05);
+    }
+    const Matrix6d sharp = 0.09 * testing::ray_noise().components().front().covariance;
+    const DetectorNoise noise({{.weight = 0.9, .covariance = sharp, .frame = NoiseFrame::ray}},
+                              {.weight = 0.1, .volume_m3 = 1.0});
+    MultiObjectFilter filter({scene.camera, about(scene.camera.translation(), 90.0, 0.005)},
+                             std::vector<ObjectSensor>(kObjects, {noise}), {});
+    const auto detect = [&](std::size_t j) {
+      const SE3d seen = scene.camera.inverse() * scene.truth[j];
+      const NoiseAtPose at = noise_at(noise.components().front(), seen);
+      return at.axes * SE3d::exp(draw(at.covariance, scene.stream)) * at.axes.inverse() * seen;
+    };
+    for (int k = 0; k < 20; ++k) {
+      filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+      if (k == 12) {
+        const SE3d& known = scene.truth[0];
+        filter.add_object({noise},
+                          ObjectPrior{{known, about(known.translation(), 0.5, 0.005)}, 0.95});
+      }
+      for (std::size_t j = 0; j < kObjects; ++j) filter.update(j, detect(j));
+      if (is_seen && k >= 12) filter.update(kObjects, detect(0));
+    }
+    const auto estimates = filter.leading_estimates();
+    double mean = 0.0;
+    for (std::size_t j = 0; j < kObjects; ++j) {
+      ASSERT_TRUE(estimates[j]);
+      mean += nees(estimates[j]->relative, scene.camera.inverse() * scene.truth[j]) / kObjects;
+    }
+    EXPECT_GT(mean, 0.5) << is_seen;
+    EXPECT_LT(mean, 2.0) << is_seen;
+    EXPECT_NO_THROW(
+        ConcentratedGaussian<PoseStackd>(filter.joint().mean(), filter.joint().covariance()));
+  }
+}
+
+}  // namespace
+}  // namespace posemix
