@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "json_fault.hpp"
 #include "json_place.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/dataset.hpp"
@@ -19,7 +18,7 @@ using namespace internal;
 constexpr double kDatasetMillimetre = 1e-3;
 
 Json parse_scene_document(std::string_view text, const std::string& name) {
-  return json_of(text, name, "an object with a key per image");
+  return parse_json(text, name, "an object with a key per image");
 }
 
 std::int64_t image_id(const JsonPlace& root, const std::string& key) {
@@ -54,8 +53,9 @@ DatasetImages parse_bop_scene_gt(std::string_view text, const std::string& name)
   const JsonPlace root(json, name);
   DatasetImages images;
   for (const std::string& key : root.keys()) {
-    std::vector<DatasetInstance>& image = images[image_id(root, key)];
-    if (!image.empty()) root.fail(fmt::format("image {} again", key), "every image once");
+    const auto [at, is_new] = images.try_emplace(image_id(root, key));
+    std::vector<DatasetInstance>& image = at->second;
+    if (!is_new) root.fail(fmt::format("image {} again", key), "every image once");
     for (const JsonPlace& entry : root.member(key).items()) {
       const std::string where = fmt::format("{}: {}[{}]", name, key, image.size());
       image.push_back({read_object_number(entry.member("obj_id")),

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "json_fault.hpp"
 #include "json_place.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/rigid.hpp"
@@ -100,19 +99,20 @@ std::array<Eigen::Vector3d, 8> ObjectBox::corners() const {
 }
 
 BopModels parse_bop_models(std::string_view text, const std::string& name) {
-  const Json json = json_of(text, name, "models_info.json");
+  const Json json = parse_json(text, name, "models_info.json");
   const JsonPlace root(json, name);
   BopModels models;
   for (const std::string& key : root.keys()) {
     const std::int64_t id = bop_object_id(root, key);
-    models.emplace(id, read_bop_entry(root.member(key), name, key));
+    if (!models.emplace(id, read_bop_entry(root.member(key), name, key)).second)
+      root.fail(fmt::format("object {} again", id), "every object once");
   }
   if (models.empty()) root.fail("no object", "at least one");
   return models;
 }
 
 BopModel parse_bop_model(std::string_view text, const std::string& name, std::int64_t object) {
-  const Json json = json_of(text, name, "models_info.json");
+  const Json json = parse_json(text, name, "models_info.json");
   const std::string id = std::to_string(object);
   return read_bop_entry(JsonPlace(json, name).member(id), name, id);
 }

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "json_fault.hpp"
 #include "json_place.hpp"
 #include "observation_numbers.hpp"
 #include "posemix/base/error.hpp"
@@ -102,7 +101,7 @@ std::vector<Observation> bop_observations(std::span<const BopRow> rows,
 }
 
 std::vector<ImageGroup> parse_image_groups(std::string_view text, const std::string& name) {
-  const Json json = json_of(text, name, "an array of groups of images");
+  const Json json = parse_json(text, name, "an array of groups of images");
   std::vector<ImageGroup> groups;
   const JsonPlace root(json, name);
   std::size_t index = 0;

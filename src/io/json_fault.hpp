@@ -22,7 +22,8 @@ std::string json_fault(const Json::exception& error);
 /// @throws InvalidInput
 void check_json_depth(int depth, const std::string& name);
 
-/// Parses a document of others, in which a key may occur twice; `expected` says of what.
+/// Parses a document in which a key may occur twice; `expected` says of what. What others wrote is
+/// read by parse_json().
 /// @throws InvalidInput as refuse_json
 Json json_of(std::string_view text, const std::string& name, std::string_view expected);
 

@@ -76,6 +76,11 @@ TEST(BopModels, RefusesWithThePlace) {
                  "m.json: 14: symmetries_continuous[0]: axis: got 2 entries, expected 3");
   EXPECT_INVALID_WITH(parse_models(models_with("\"axis\": [0, 0, 2]", "\"axis\": [0, 0, 0]")),
                       "m.json: 14: symmetries: axis 0");
+  // The last would be taken in silence, in the place of the others.
+  EXPECT_INVALID(parse_models(models_with("\"20\"", "\"5\"")),
+                 "m.json: got the key \"5\" twice in one object, expected once");
+  EXPECT_INVALID(parse_models(models_with("\"20\"", "\"05\"")),
+                 "m.json: got object 5 again, expected every object once");
   // A quarter turn alone is no group.
   EXPECT_INVALID_WITH(parse_models(models_with("[[-1, 0, 0, 10, 0, -1", "[[0, -1, 0, 0, 1, 0")),
                       "m.json: 5: symmetries: the set is no group: element 0 ");
