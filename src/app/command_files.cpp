@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 
+#include "base/uninterrupted.hpp"
 #include "posemix/io/output_file.hpp"
 #include "posemix/io/text.hpp"
 #include "summary.hpp"
@@ -28,7 +30,10 @@ std::string read_standard_input() {
       throw InvalidInput("standard input: got more than 1 GiB, expected less");
     }
   }
-  if (std::ferror(stdin) != 0) throw InvalidInput("standard input: cannot be read");
+  if (std::ferror(stdin) != 0) {
+    internal::throw_if_interrupted(errno, "standard input");
+    throw InvalidInput("standard input: cannot be read");
+  }
   return bytes;
 }
 

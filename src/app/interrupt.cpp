@@ -30,6 +30,8 @@ bool InterruptGuard::interrupted() const { return noted_signal != 0; }
 
 int InterruptGuard::signal() const { return noted_signal; }
 
+int recorded_signal() { return noted_signal; }
+
 void InterruptGuard::check() const {
   if (interrupted()) throw Interrupted(noted_signal);
 }

@@ -39,4 +39,7 @@ class InterruptGuard {
   struct sigaction before_term_ {};
 };
 
+/// The number of the last signal that a guard recorded, which may be gone; zero if there was none.
+int recorded_signal();
+
 }  // namespace posemix

@@ -38,6 +38,7 @@
 #include "run_provenance.hpp"
 #include "simulate.hpp"
 #include "slam.hpp"
+#include "standard_streams.hpp"
 #include "study.hpp"
 #include "summary.hpp"
 #include "terminal_text.hpp"
@@ -56,6 +57,11 @@ int fail(std::string_view message, int exit_code) {
   const std::string line = fmt::format("posemix: error: {}\n", terminal_line(message));
   std::fputs(line.c_str(), stderr);
   return exit_code;
+}
+
+/// Whether a signal that a guard recorded ended a call that waited, as for a pipe.
+bool was_interrupted(const std::system_error& error) {
+  return error.code() == std::errc::interrupted && recorded_signal() != 0;
 }
 
 /// Runs a command and turns its errors into messages and exit codes.
@@ -77,8 +83,10 @@ int guarded(const std::function<int()>& action) {
   } catch (const std::bad_alloc&) {
     return fail("out of memory", kExitInternal);
   } catch (const std::filesystem::filesystem_error& error) {
+    if (was_interrupted(error)) return fail("interrupted", kExitSignal + recorded_signal());
     return fail(fmt::format("{}: {}", error.path1().string(), error.code().message()), kExitInput);
   } catch (const std::system_error& error) {
+    if (was_interrupted(error)) return fail("interrupted", kExitSignal + recorded_signal());
     const bool lacks = error.code() == std::errc::resource_unavailable_try_again ||
                        error.code() == std::errc::not_enough_memory;
     if (!lacks) return fail(fmt::format("internal error: {}", error.what()), kExitInternal);
@@ -158,6 +166,7 @@ int run_program(int argc, const char* const* argv) {
   // A closed pipe and a limit on the size of files are errors of the call, with a message.
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);
+  fill_closed_streams();
   const int started = guarded([] {
     restart_where_portable();
     return kExitDone;

@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "base/uninterrupted.hpp"
 #include "draw/run_consistency.hpp"
 #include "posemix/base/words.hpp"
 #include "terminal_text.hpp"
@@ -128,6 +129,7 @@ void print_text(std::string_view text) {
   const bool written = std::fwrite(text.data(), 1, text.size(), stdout) == text.size();
   if (written && std::fflush(stdout) == 0) return;
   if (errno == EPIPE) throw BrokenPipe();
+  internal::throw_if_interrupted(errno, "standard output");
   throw OutputError("standard output: cannot be written");
 }
 

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cerrno>
+#include <string>
+#include <system_error>
 
 namespace posemix::internal {
 
@@ -14,6 +16,12 @@ auto uninterrupted(const Call& call) {
     const auto result = call();
     if (result >= 0 || errno != EINTR) return result;
   }
+}
+
+/// For a call that may wait for ever, as for a pipe that nobody reads or writes: a signal ends it.
+/// @throws std::system_error with std::errc::interrupted when `error` is EINTR
+inline void throw_if_interrupted(int error, const std::string& what) {
+  if (error == EINTR) throw std::system_error(EINTR, std::generic_category(), what);
 }
 
 }  // namespace posemix::internal

@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "descriptor.hpp"
 
+#include <algorithm>
 #include <cerrno>
+#include <climits>
 #include <cstring>
 
 #include <fcntl.h>
@@ -23,19 +25,30 @@ void fail_with_errno(const std::filesystem::path& path, std::string_view what) {
   fail_output(path, what, std::strerror(errno));
 }
 
+template <class Call>
+auto Descriptor::called(const Call& call) const {
+  if (on_signal_ == OnSignal::go_on) return uninterrupted(call);
+  const auto result = call();
+  if (result < 0) throw_if_interrupted(errno, shown_.string());
+  return result;
+}
+
 Descriptor::Descriptor(const std::filesystem::path& path, int flags,
-                       const std::filesystem::path& shown)
+                       const std::filesystem::path& shown, OnSignal on_signal)
     : shown_(shown),
-      number_(uninterrupted([&] { return ::open(path.c_str(), flags | O_CLOEXEC, 0666); })) {
+      on_signal_(on_signal),
+      number_(called([&] { return ::open(path.c_str(), flags | O_CLOEXEC, 0666); })) {
   if (number_ < 0) fail_with_errno(shown_, "cannot be written");
 }
 
 Descriptor::~Descriptor() { ::close(number_); }
 
 void Descriptor::write_all(std::string_view content) {
+  // A pipe takes so much as a whole or not at all, and no signal is lost in the middle.
+  const std::size_t most = on_signal_ == OnSignal::stop ? PIPE_BUF : content.size();
   while (!content.empty()) {
-    const ssize_t written =
-        uninterrupted([&] { return ::write(number_, content.data(), content.size()); });
+    const std::size_t size = std::min(content.size(), most);
+    const ssize_t written = called([&] { return ::write(number_, content.data(), size); });
     if (written < 0) fail_with_errno(shown_, "cannot be written");
     content.remove_prefix(static_cast<std::size_t>(written));
   }

@@ -15,11 +15,16 @@ namespace posemix::internal {
 /// @throws OutputError `path: what: reason`
 [[noreturn]] void fail_with_errno(const std::filesystem::path& path, std::string_view what);
 
+/// What a call that is interrupted by a signal does. What may wait for ever, as a pipe that nobody
+/// reads, stops with a std::system_error (std::errc::interrupted).
+enum class OnSignal { go_on, stop };
+
 /// A file descriptor that closes itself. Every member throws OutputError.
 class Descriptor {
  public:
   /// `shown` is the path in messages.
-  Descriptor(const std::filesystem::path& path, int flags, const std::filesystem::path& shown);
+  Descriptor(const std::filesystem::path& path, int flags, const std::filesystem::path& shown,
+             OnSignal on_signal = OnSignal::go_on);
   Descriptor(const std::filesystem::path& path, int flags) : Descriptor(path, flags, path) {}
   ~Descriptor();
   Descriptor(const Descriptor&) = delete;
@@ -30,7 +35,11 @@ class Descriptor {
   void sync();
 
  private:
+  template <class Call>
+  auto called(const Call& call) const;
+
   std::filesystem::path shown_;
+  OnSignal on_signal_;
   int number_;
 };
 

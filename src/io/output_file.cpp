@@ -78,7 +78,7 @@ void write_output_file(const fs::path& path, std::string_view content) {
   const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status)) fail_output(path, "cannot be written", "is a folder");
   if (fs::exists(status) && !fs::is_regular_file(status)) {
-    Descriptor(path, O_WRONLY).write_all(content);
+    Descriptor(path, O_WRONLY, path, OnSignal::stop).write_all(content);
     return;
   }
   const fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);

@@ -14,6 +14,7 @@
 
 #include <fmt/format.h>
 
+#include "base/uninterrupted.hpp"
 #include "input_files.hpp"
 #include "posemix/base/error.hpp"
 
@@ -29,6 +30,7 @@ struct CloseFile {
 };
 
 [[noreturn]] void fail_to_read(const std::filesystem::path& path, int reason) {
+  internal::throw_if_interrupted(reason, path.string());
   throw InvalidInput(fmt::format("{}: cannot be read: {}", path.string(), std::strerror(reason)));
 }
 

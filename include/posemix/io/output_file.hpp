@@ -15,7 +15,8 @@ namespace posemix {
 /// keeps its permissions.
 /// A symbolic link stays, and its target is replaced. If the path is not a regular file, such as a
 /// pipe or /dev/null, the content is written to it directly.
-/// @throws OutputError naming the path and the reason
+/// @throws OutputError naming the path and the reason; std::system_error (std::errc::interrupted)
+/// when a signal's handler ends the wait for a reader of a pipe
 void write_output_file(const std::filesystem::path& path, std::string_view content);
 
 }  // namespace posemix

@@ -16,7 +16,8 @@ namespace posemix {
 
 /// The bytes of a file.
 /// @throws InvalidInput with the path and the system's reason when it cannot be read, and for files
-/// above 1 GiB
+/// above 1 GiB; std::system_error (std::errc::interrupted) when a signal's handler ends the wait
+/// for a pipe
 std::string read_file(const std::filesystem::path& path);
 
 /// `text` in double quotes for a message: bytes outside printable ASCII are escaped, and a text
