@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <random>
@@ -14,6 +15,8 @@
 #include "posemix/results/consistency_files.hpp"
 #include "posemix/results/report.hpp"
 #include "report.hpp"
+#include "result_paths.hpp"
+#include "results/result_names.hpp"
 #include "summary.hpp"
 #include "terminal_text.hpp"
 
@@ -115,8 +118,10 @@ void check_options(const CLI::App& command, const ConsistencyOptions& options) {
     throw CLI::ValidationError(
         "--svg", "got - beside --json -, expected the name of a file for one of them");
   }
-  if (options.json && options.svg && *options.json == *options.svg)
-    throw CLI::ValidationError("--svg", "is the file of --json, expected another one");
+  const std::array files{NamedResult{"--json", options.json}, NamedResult{"--svg", options.svg},
+                         NamedResult{"--report", options.report}};
+  require_different_files(files);
+  require_beside_folder(files, {"--out", options.out}, internal::is_consistency_name);
   if (input.data && !(input.truth && is_sequence_file(*input.truth)))
     throw CLI::ValidationError("--data", "is for --truth with a sequence file");
   if (!is_slam_result(input.estimate)) return;

@@ -28,6 +28,8 @@
 #include "posemix/slam/state.hpp"
 #include "progress.hpp"
 #include "report.hpp"
+#include "result_paths.hpp"
+#include "results/result_names.hpp"
 #include "run_provenance.hpp"
 #include "summary.hpp"
 
@@ -206,6 +208,12 @@ void add_input_options(CLI::App& command, SlamOptions& options) {
       ->excludes(smooth);
 }
 
+/// Refuses to save the state where a result is written.
+void check_state_file(const SlamOptions& options) {
+  const NamedResult state{"--save-state", options.save_state};
+  require_beside_folder({&state, 1}, {"--out", options.out}, internal::is_run_name);
+}
+
 }  // namespace
 
 void add_slam_command(CLI::App& program, std::function<int()>& action,
@@ -241,3 +249,4 @@ void add_slam_command(CLI::App& program, std::function<int()>& action,
 }
 
 }  // namespace posemix
+    check_state_file(*options);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
 #include <array>
 #include <set>
 #include <string>
@@ -13,6 +14,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 #include "posemix/results/results.hpp"
+#include "results/result_names.hpp"
 
 namespace posemix {
 namespace {
@@ -26,6 +28,9 @@ constexpr std::array kRunNames{"camera.tum",  "metrics.json", "posterior.json", 
                                "picture.svg", "cameras.csv",  kReportName};
 constexpr std::array kConsistencyNames{"consistency.json", "consistency.csv", "consistency.svg",
                                        "consistency.md", kReportName};
+
+/// The names of an object's files, with {} for its own.
+constexpr std::array kObjectNames{"object_{}.tum", "relative_{}.tum", "mixture_{}.json"};
 
 /// The object of JSON that says which files are of a result, or of one that was about to be
 /// replaced; empty where the file is missing, damaged or something else.
@@ -55,14 +60,27 @@ std::vector<fs::path> there(const fs::path& folder, const std::set<std::string>&
 
 }  // namespace
 
+bool internal::is_run_name(std::string_view name) {
+  const auto fits = [&](std::string_view pattern) {
+    const std::size_t id = pattern.find("{}");
+    return name.starts_with(pattern.substr(0, id)) && name.ends_with(pattern.substr(id + 2));
+  };
+  return std::find(kRunNames.begin(), kRunNames.end(), name) != kRunNames.end() ||
+         std::any_of(kObjectNames.begin(), kObjectNames.end(), fits);
+}
+
+bool internal::is_consistency_name(std::string_view name) {
+  return name != kReportName && std::find(kConsistencyNames.begin(), kConsistencyNames.end(),
+                                          name) != kConsistencyNames.end();
+}
+
 std::vector<fs::path> earlier_results(const fs::path& folder) {
   const Json metrics = object_in(folder / "metrics.json");
   const auto objects = metrics.find("objects");
   if (objects == metrics.end() || !objects->is_object()) return {};
   std::set<std::string> names(kRunNames.begin(), kRunNames.end());
   for (const auto& [id, numbers] : objects->items()) {
-    for (const char* pattern : {"object_{}.tum", "relative_{}.tum", "mixture_{}.json"})
-      names.insert(fmt::format(fmt::runtime(pattern), id));
+    for (const char* pattern : kObjectNames) names.insert(fmt::format(fmt::runtime(pattern), id));
   }
   return there(folder, names);
 }

@@ -203,6 +203,17 @@ TEST_F(ConsistencyCommand, OneResultOnTheStandardOutput) {
   EXPECT_TRUE(Json::accept(output_of(command + "nees.svg")));
   expect_error("posemix consistency estimate.tum --truth truth.tum --json a --svg a", 2,
                "--svg: is the file of --json, expected another one");
+  // The same file by another name, by a link, and as a part of the folder.
+  const std::string compare = "posemix consistency estimate.tum --truth truth.tum ";
+  expect_error(compare + "--json ./a --svg \"$PWD/a\"", 2, "--svg: is the file of --json");
+  expect_error(
+      "touch a.html && ln -s a.html b.html && " + compare + "--json a.html --report b.html", 2,
+      "--report: is the file of --json");
+  expect_error("mkdir out && " + compare + "--svg out/../out/consistency.svg --out out", 2,
+               "--svg: out/../out/consistency.svg is a result in the folder of --out");
+  expect_error(compare + "--json out --out out", 2, "--json: is the folder of --out");
+  EXPECT_EQ(shell(compare + "--json /dev/null --svg /dev/null").exit_code, 0);
+  EXPECT_EQ(shell(compare + "--json out/mine.json --out out").exit_code, 0);
 }
 
 TEST_F(ConsistencyCommand, OptionsWithoutAnEffectAreRefused) {

@@ -70,6 +70,27 @@ TEST_F(StateCommands, NoInputIsReplaced) {
   for (int run = 0; run < 3; ++run) EXPECT_EQ(slam({"--report"}).exit_code, 0) << run;
 }
 
+/// The later of the two would replace the other in silence.
+TEST_F(StateCommands, NoResultOfTheSameRunIsReplaced) {
+  const std::string run = (folder_ / "run").string();
+  std::filesystem::create_directory(run);
+  std::filesystem::create_symlink("run", folder_ / "link");
+  for (const std::string name : {"metrics.json", "object_mug.tum", "mixture_box.json"}) {
+    for (const std::string& path : {run + "/" + name, run + "/../link/./" + name}) {
+      const ProgramResult result = slam_to(run, path);
+      EXPECT_EQ(result.exit_code, 2) << path;
+      EXPECT_NE(result.err.find("--save-state: " + path + " is a result in the folder of --out"),
+                std::string::npos)
+          << result.err;
+    }
+  }
+  const ProgramResult folder = slam_to(run, run);
+  EXPECT_EQ(folder.exit_code, 2);
+  EXPECT_NE(folder.err.find("--save-state: is the folder of --out"), std::string::npos);
+  EXPECT_TRUE(std::filesystem::is_empty(run));
+  EXPECT_EQ(slam_to(run, run + "/map.state").exit_code, 0);
+}
+
 TEST_F(StateCommands, SlamSavesItsState) {
   const ProgramResult result = slam();
   ASSERT_EQ(result.exit_code, 0) << result.err;
