@@ -133,7 +133,16 @@ void write_output(const std::string& path, std::string_view content) {
 }
 
 void write_mixture(const MixtureFile& file, const OutputOptions& output) {
-  write_output(output.out, format_mixture(file));
+std::string formatted(const MixtureFile& file, const MixtureConvention& convention,
+                      std::string_view name) {
+  try {
+    return format_mixture(file, convention);
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
+  write_output(output.out, formatted(file, {}, "the result"));
 }
 
 std::string format_table(const Json& found) {

@@ -69,6 +69,10 @@ void require_one_standard_input(std::span<const std::string> paths);
 void write_output(const std::string& path, std::string_view content);
 void write_mixture(const MixtureFile& file, const OutputOptions& output);
 
+/// The text of a mixture file; errors, as of numbers that no reader would take, begin with `name`.
+std::string formatted(const MixtureFile& file, const MixtureConvention& convention,
+                      std::string_view name);
+
 /// Prints the findings of a command on the standard error, as a table or as JSON.
 void report(std::string_view command, const Json& found, const OutputOptions& output);
 

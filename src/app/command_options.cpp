@@ -40,6 +40,10 @@ std::function<std::string(const std::string&)> number_in(const NumberRange& rang
   };
 }
 
+std::string not_empty(const std::string& text) {
+  return text.empty() ? "got an empty name, expected one" : "";
+}
+
 CLI::Validator integer_in(const IntegerBounds& bounds) {
   const auto read = [bounds](std::string& text) {
     std::uint64_t number = 0;

@@ -40,6 +40,9 @@ void add_seed_option(CLI::App& command, std::uint64_t& seed);
 std::function<std::string(const std::string&)> number_in(const NumberRange& range,
                                                          const std::string& unit = "");
 
+/// The check that the value of an option names something: an empty name would be taken for none.
+std::string not_empty(const std::string& text);
+
 /// The integers that an option takes; without an end, all that fit its type.
 struct IntegerBounds {
   std::uint64_t lowest = 0;

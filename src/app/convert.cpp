@@ -37,9 +37,15 @@ Json conversion_json(const Conversion<D>& conversion) {
           {"within_limit", conversion.within_limit}};
 }
 
+/// The name of what is made of an input, in messages.
+std::string converted(const NamedMixture& input) {
+  return fmt::format("{}: converted", input.name);
+}
+
 /// The mixture in the other distribution, and the loss by the conversion.
-std::pair<AnyMixture, Json> in_other_distribution(const AnyMixture& mixture,
-                                                  const ConvertOptions& options) {
+std::pair<AnyMixture, Json> in_other_distribution(const NamedMixture& input,
+                                                  const ConvertOptions& options) try {
+  const AnyMixture& mixture = input.file.mixture;
   RandomStream stream(options.seed);
   if (const auto* concentrated = std::get_if<ConcentratedPoses>(&mixture)) {
     auto made = to_projected(*concentrated, stream, options.conversion);
@@ -49,6 +55,8 @@ std::pair<AnyMixture, Json> in_other_distribution(const AnyMixture& mixture,
   auto made = to_concentrated(std::get<ProjectedPoses>(mixture), stream, options.conversion);
   Json cost = conversion_json(made);
   return {std::move(made.mixture), std::move(cost)};
+} catch (const InvalidInput& error) {
+  throw InvalidInput(fmt::format("{}: {}", converted(input), error.what()));
 }
 
 MixtureConvention stated_convention(const ConvertOptions& options, Distribution distribution) {
@@ -69,12 +77,12 @@ int convert_file(const ConvertOptions& options) {
   const Distribution wanted = options.distribution.value_or(had);
   const MixtureConvention convention = stated_convention(options, wanted);
   if (wanted == had) {
-    write_output(options.output.out, format_mixture(input.file, convention));
+    write_output(options.output.out, formatted(input.file, convention, converted(input)));
     return kExitDone;
   }
-  auto [mixture, cost] = in_other_distribution(input.file.mixture, options);
-  write_output(options.output.out,
-               format_mixture({input.file.frames, std::move(mixture)}, convention));
+  auto [mixture, cost] = in_other_distribution(input, options);
+  const MixtureFile made{input.file.frames, std::move(mixture)};
+  write_output(options.output.out, formatted(made, convention, converted(input)));
   report("convert", cost, options.output);
   return kExitDone;
 }

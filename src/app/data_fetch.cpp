@@ -120,6 +120,14 @@ std::size_t unpack_all(const std::vector<SourceFile>& files, const std::filesyst
   return count;
 }
 
+/// @throws OutputError for a path that the system refuses, such as a loop of links
+void require_writable_path(const std::filesystem::path& folder) {
+  std::error_code error;
+  const bool is_there = std::filesystem::exists(folder, error);
+  if (!is_there && error)
+    throw OutputError(fmt::format("{}: cannot be written: {}", folder.string(), error.message()));
+}
+
 int fetch_data(const DataFetchOptions& options) {
   check_can_fetch();
   const std::vector<DataSource> sources = known_sources(options.registry);
@@ -127,6 +135,7 @@ int fetch_data(const DataFetchOptions& options) {
   const std::vector<SourceFile> files = selected_files(source, options.patterns);
   check_url(source.base_url, options.connection.allow_http);
   const std::filesystem::path folder = fetch_folder(options) / source.name;
+  require_writable_path(folder);
   agree(options, licence_notice(source, files, folder));
   const InterruptGuard guard;
   const FetchReport report = fetch_watched(source, files, folder, options, guard);
@@ -160,6 +169,7 @@ void add_data_fetch_command(CLI::App& data, std::function<int()>& action) {
   command
       ->add_option("--out", options->out,
                    "Folder for the source's folder; $POSEMIX_DATA or the cache unless given")
+      ->check(not_empty)
       ->type_name("DIR");
   command
       ->add_option("--file", options->patterns,

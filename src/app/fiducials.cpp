@@ -172,16 +172,20 @@ int write_fiducials(const FiducialOptions& options) {
 void add_input_options(CLI::App& command, FiducialOptions& options) {
   command.add_option("corners", options.corners, "Corners of the tags, of gzip or not")
       ->required()
+      ->check(not_empty)
       ->type_name("CORNERS.csv");
   command.add_option("--cameras", options.cameras, "Intrinsics, as TagSLAM or kalibr writes them")
       ->required()
+      ->check(not_empty)
       ->type_name("CAMERAS.yaml");
   command
       .add_option("--camera-poses", options.camera_poses,
                   "Poses of the cameras on their rig, as TagSLAM writes them")
+      ->check(not_empty)
       ->type_name("CAMERA_POSES.yaml");
   command
       .add_option("--tags", options.tags, "Sizes and known poses of tags, as TagSLAM reads them")
+      ->check(not_empty)
       ->type_name("TAGSLAM.yaml");
   command
       .add_option("--size", options.size, "Edge of every tag [m]; with --tags of those not in it")
@@ -190,6 +194,7 @@ void add_input_options(CLI::App& command, FiducialOptions& options) {
   command
       .add_option("--odometry", options.odometry,
                   "Odometry of the rig, or of T_body_odom of --tags (TUM)")
+      ->check(not_empty)
       ->type_name("ODOMETRY.tum");
 }
 

@@ -2,6 +2,8 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <memory>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "command_options.hpp"
@@ -9,6 +11,7 @@
 #include "fuse_views_input.hpp"
 #include "interrupt.hpp"
 #include "mixture_commands.hpp"
+#include "posemix/base/error.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/output_folder.hpp"
 #include "summary.hpp"
@@ -101,7 +104,13 @@ int fuse_views_command(const FuseViewsOptions& options) {
   folder.put_last("fused.csv");
   FuseViewsOutput output;
   for (const ViewGroup& group : job.groups) {
-    add_group(group, job, options, output);
+    try {
+      add_group(group, job, options, output);
+    } catch (const InvalidInput& error) {
+      throw InvalidInput(fmt::format("{}: scene {}, images {}: {}", options.input.results,
+                                     group.images.scene, fmt::join(group.images.images, ", "),
+                                     error.what()));
+    }
     guard.check();
   }
   folder.write("fused.csv", format_bop_rows(output.rows));

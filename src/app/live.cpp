@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
 
+#include "command_options.hpp"
 #include "exit_codes.hpp"
 #include "fetch/download.hpp"
 #include "interrupt.hpp"
@@ -120,6 +121,7 @@ void add_live_command(CLI::App& program, std::function<int()>& action) {
   command->add_option("config", options->config, "Detectors, frames and settings (TOML)")
       ->type_name("CONFIG.toml");
   command->add_option("--data", options->data, "Folder below which files that it names lie")
+      ->check(not_empty)
       ->type_name("DIR");
   add_override_option(*command, options->overrides, "Override a key of the file; repeatable");
   CLI::Option* const out = command
@@ -127,6 +129,7 @@ void add_live_command(CLI::App& program, std::function<int()>& action) {
                                             "Folder for the results of the run, as of posemix slam")
                                ->type_name("DIR");
   command->add_flag("--report", options->report, "Write DIR/report.html too")->needs(out);
+                               ->check(not_empty)
   command->add_flag("--quiet", options->quiet, "Print warnings alone");
   command->callback([options, &action] { action = [options] { return live_command(*options); }; });
 }

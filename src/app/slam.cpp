@@ -113,6 +113,9 @@ void require_state(const SlamJob& job, const SlamOptions& options) {
   internal::refuse_input(*options.save_state);
   std::error_code error;
   const fs::path folder = fs::absolute(*options.save_state, error).parent_path();
+  if (fs::is_directory(*options.save_state, error))
+    throw InvalidInput(
+        fmt::format("--save-state {}: is a folder, expected a file", *options.save_state));
   if (fs::is_directory(folder, error)) return;
   throw InvalidInput(fmt::format("--save-state {}: there is no folder '{}'", *options.save_state,
                                  folder.string()));
@@ -129,7 +132,7 @@ SlamRun filter(const SlamJob& job, const SlamOptions& options, HypothesisRecord&
     return !guard.interrupted();
   };
   try {
-    require_state(job, options);
+  require_state(job, options);
     return run(job, {.record_hypotheses = job.trace_hypotheses > 0,
                      .progress = progress,
                      .finished = finished,

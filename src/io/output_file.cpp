@@ -82,7 +82,9 @@ void write_output_file(const fs::path& path, std::string_view content) {
     return;
   }
   const fs::path target = fs::weakly_canonical(fs::absolute(path, error), error);
-  if (error || !target.has_filename()) fail_output(path, "cannot be written", "not a file name");
+  if (error) fail_output(path, "cannot be written", error.message());
+  if (path.empty() || !target.has_filename())
+    fail_output(path, "cannot be written", "not a file name");
   PartialFile partial(target);
   partial.write(content);
   partial.put_in_place();

@@ -129,6 +129,16 @@ TEST_F(Data, AnArchiveThatUnpacksToFarMoreThanItsSizeOrTooDeepIsRefused) {
   EXPECT_EQ(unpack(deep.substr(2), 8).exit_code, 0);
 }
 
+/// It is no bad input.
+TEST_F(Data, AFolderThatTheSystemRefusesCannotBeWritten) {
+  use("plain", pin());
+  std::filesystem::create_symlink(folder_ / "out", folder_ / "out");
+  const ProgramResult loop = fetch();
+  EXPECT_EQ(loop.exit_code, 4) << loop.err;
+  EXPECT_TRUE(has(loop.err, "out/test: cannot be written: ")) << loop.err;
+  EXPECT_EQ(run_posemix({"data", "fetch", "test", "--out", ""}).exit_code, 2);
+}
+
 TEST_F(Data, ADamagedRegistryIsRefused) {
   const auto error_of = [&](const std::string& files) {
     folder_.put("sources.toml",

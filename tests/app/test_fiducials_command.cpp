@@ -82,6 +82,8 @@ TEST_F(FiducialsCommand, RefusesBadInputAndLeavesNothing) {
     expect_error(command + " --tags t.yaml " + option + " 1e300", 2, option + ": got 1e300");
   expect_error(command + " --size 0.1 --corner-noise 1 --corner-dof 1e-300", 2, "--corner-dof");
   expect_error(command + " --size 0.1 --odometry missing.tum", 3, "missing.tum");
+  for (const std::string option : {"--odometry", "--tags", "--camera-poses"})
+    expect_error(command + " --size 0.1 " + option + " ''", 2, option + ": got an empty name");
   folder_.put("corners.csv", std::string(kHeader) + "1.5,/other,7,1,1,2,1,2,2,1,2\n");
   expect_error(command + " --size 0.15", 3, "corners.csv:2: got the topic \"/other\"");
   folder_.put("cameras.yaml", "cam0:\n  intrinsics: [600, 602, 640]\n");

@@ -147,6 +147,12 @@ TEST_F(FuseViewsCommand, NamesWhatIsWrong) {
   const ProgramResult bad = failure("bad.csv --groups 4 --cameras cameras.csv");
   EXPECT_EQ(bad.exit_code, 3);
   EXPECT_TRUE(contains(bad.err, "bad.csv:2: got")) << bad.err;
+  std::string far = read_file(folder_ / "cameras.csv");
+  far.replace(far.find("\n3,0,0,"), 7, "\n3,0,1e7,");
+  folder_.put("far.csv", far);
+  const ProgramResult lost = failure("single.csv --groups 4 --cameras far.csv");
+  EXPECT_EQ(lost.exit_code, 3);
+  EXPECT_TRUE(contains(lost.err, "single.csv: scene 3, images 0, 10, 20, 30: ")) << lost.err;
   folder_.put("noise.toml", "[noise.a]\ncomponents = []\n[noise.b]\ncomponents = []\n");
   const ProgramResult noise =
       failure("single.csv --groups 4 --cameras cameras.csv --noise noise.toml");

@@ -125,7 +125,13 @@ TEST_F(StateCommands, WhatHasNoStateIsRefused) {
       {"slam", toml(), "--data", small_.folder.path().string(), "--out", (folder_ / "run").string(),
        "--save-state", (folder_ / "no/map.state").string()});
   EXPECT_EQ(nowhere.exit_code, 3);
+  EXPECT_NE(nowhere.err.find("posemix: error: --save-state " + (folder_ / "no").string()),
+            std::string::npos)
+      << nowhere.err;
   EXPECT_NE(nowhere.err.find("there is no folder"), std::string::npos) << nowhere.err;
+  const ProgramResult taken = slam_to(folder_ / "run", folder_.path().string());
+  EXPECT_EQ(taken.exit_code, 3);
+  EXPECT_NE(taken.err.find("is a folder, expected a file"), std::string::npos) << taken.err;
   const ProgramResult nameless = slam_to(folder_ / "run", "");
   EXPECT_EQ(nameless.exit_code, 3);
   EXPECT_NE(nameless.err.find("--save-state : there is no folder"), std::string::npos)

@@ -180,6 +180,9 @@ TEST_F(StudyCommand, NamesWhatIsWrong) {
   };
   refused({"monte-carlo", "--set", "rums=3"}, "rums");
   refused({"monte-carlo", "--set", "methods=[\"kalman\"]"}, "there is no method 'kalman'");
+  refused({"monte-carlo", "--set", "methods=[]"}, "--set methods=[]: key 'methods' is empty");
+  refused({"monte-carlo", "--set", "methods=[\"midway\",\"midway\"]"},
+          "key 'methods' has 'midway' again");
   refused({"divergence", "--set", "weights=[1, -1]"}, "weights");
   refused({"divergence", "missing.toml"}, "missing.toml");
   refused({"divergence", "--set", "paper_grid_step_deg=1e-6"}, "paper_grid_step_deg");

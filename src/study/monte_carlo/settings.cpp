@@ -49,8 +49,12 @@ MonteCarloStudySettings read_monte_carlo_settings(const TomlTable& table) {
   MonteCarloStudySettings settings;
   settings.runs = read_count(table, "runs", settings.runs);
   settings.methods = table.get_strings_or("methods", settings.methods);
-  for (std::string& name : settings.methods) {
+  if (settings.methods.empty()) table.fail("methods", "is empty, expected at least one name");
+  for (auto at = settings.methods.begin(); at != settings.methods.end(); ++at) {
+    std::string& name = *at;
     std::replace(name.begin(), name.end(), '-', '_');
+    if (std::find(settings.methods.begin(), at, name) != at)
+      table.fail("methods", fmt::format("has '{}' again, expected every method once", name));
     try {
       monte_carlo_method(name, settings);
     } catch (const InvalidInput& error) {
