@@ -50,7 +50,8 @@ std::optional<double> standard_error_of(const Json& found, const std::string& ke
 
 /// A number with the digits that its standard error leaves: two of the error.
 std::string number_text(double number, const std::optional<double>& error) {
-  if (!error || !(*error > 0.0)) return fmt::format("{:.6g}", number);
+  if (!std::isfinite(number)) return "none";  // as null
+  if (!error || !(*error > 0.0) || !std::isfinite(*error)) return fmt::format("{:.6g}", number);
   const int digit = static_cast<int>(std::floor(std::log10(*error))) - 1;
   const double unit = std::pow(10.0, digit);
   const bool is_plain = digit > -7 && std::abs(number) < 1e9;
@@ -132,7 +133,6 @@ void write_output(const std::string& path, std::string_view content) {
   }
 }
 
-void write_mixture(const MixtureFile& file, const OutputOptions& output) {
 std::string formatted(const MixtureFile& file, const MixtureConvention& convention,
                       std::string_view name) {
   try {
@@ -142,6 +142,7 @@ std::string formatted(const MixtureFile& file, const MixtureConvention& conventi
   }
 }
 
+void write_mixture(const MixtureFile& file, const OutputOptions& output) {
   write_output(output.out, formatted(file, {}, "the result"));
 }
 

@@ -2,10 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "posemix/density/projected_gaussian.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "far_tangent.hpp"
 #include "posemix/density/projected_moments.hpp"
 #include "posemix/lie/rotation_of.hpp"
 
@@ -20,6 +22,9 @@ SE3d::Tangent zero_form(const SE3d& element) {
   return y;
 }
 
+/// Of a thousand proposals one is accepted.
+constexpr double kLogRareAcceptance = -6.9;
+
 /// A rotation drawn from the Haar measure.
 SO3d uniform_rotation(RandomStream& stream) {
   Eigen::Vector4d q;
@@ -27,6 +32,20 @@ SO3d uniform_rotation(RandomStream& stream) {
     for (double& value : q) value = stream.normal();
   } while (q.squaredNorm() < 1e-12);
   return SO3d::from_quaternion(Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
+}
+
+/// One draw of y where the mean is so far from the tangent point that no proposal is accepted: u,
+/// and then the rest given u.
+template <class G>
+typename G::Tangent far_draw(const ProjectedGaussian<G>& density, const Eigen::Matrix3d& l_u,
+                             RandomStream& stream) {
+  const Eigen::Vector3d mean = density.tangent_mean().template head<3>();
+  const internal::FarTangent far(mean, density.covariance().template topLeftCorner<3, 3>());
+  const Eigen::Vector3d u = far.sample(stream);
+  typename G::Tangent white;
+  for (double& value : white) value = stream.normal();
+  white.template head<3>() = l_u.template triangularView<Eigen::Lower>().solve(u - mean);
+  return density.tangent_mean() + typename G::Tangent(density.covariance().llt().matrixL() * white);
 }
 
 }  // namespace
@@ -97,7 +116,11 @@ G ProjectedGaussian<G>::sample(RandomStream& stream) const {
   // The acceptance rate is C for proposals from the Gaussian, and C (2 pi)^(3/2) |P_uu|^(1/2) /
   // pi^2 for uniform rotations.
   constexpr double pi = std::numbers::pi;
-  const bool from_gaussian = std::pow(2.0 * pi, 1.5) * l_u.diagonal().prod() <= pi * pi;
+  const double size = std::pow(2.0 * pi, 1.5) * l_u.diagonal().prod();
+  const bool from_gaussian = size <= pi * pi;
+  const double log_uniform = std::log(size / (pi * pi));
+  if (!(log_normalizer_ + std::max(0.0, log_uniform) > kLogRareAcceptance))
+    return element(far_draw(*this, l_u, stream));
   Tangent white;
   while (true) {
     double log_acceptance;

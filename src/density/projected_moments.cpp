@@ -9,6 +9,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "far_tangent.hpp"
 #include "posemix/base/linear.hpp"
 
 namespace posemix {
@@ -104,13 +105,22 @@ struct RawMoments {
   }
 };
 
+/// Whether the mean is farther from the tangent point than the double exponential rule has nodes
+/// for. At this limit both rules agree to 1e-12.
+bool is_far(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
+  constexpr double kFar = 10.0;
+  return mean.squaredNorm() > kFar * kFar && mean.allFinite() && covariance.allFinite();
+}
+
 }  // namespace
 
 double projected_log_normalizer(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
+  if (is_far(mean, covariance)) return internal::FarTangent(mean, covariance).log_normalizer();
   return std::log(Integrand(mean, covariance).value.sum());
 }
 
 ProjectedMoments projected_moments(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance) {
+  if (is_far(mean, covariance)) return internal::FarTangent(mean, covariance).moments();
   const Integrand integrand(mean, covariance);
   const double c = integrand.value.sum();
   const RawMoments moments(integrand, integrand.value / c, mean, covariance);

@@ -87,6 +87,18 @@ TEST(MonteCarlo, ReportHasARowPerMethodAndLevel) {
   EXPECT_DOUBLE_EQ(json.at("rows")[0].at("anees").get<double>(), anees / 3);
 }
 
+TEST(MonteCarlo, OneRunHasNoStandardError) {
+  MonteCarloStudySettings settings = small_settings();
+  settings.runs = 1;
+  const Study study = make_monte_carlo_study(settings);
+  const StudyReport report = study.report(all_results(study));
+  const auto json = nlohmann::json::parse(report.files.front().content);
+  EXPECT_TRUE(json.at("rows")[0].at("anees_standard_error").is_null());
+  EXPECT_EQ(json.dump().find("nan"), std::string::npos) << json.at("notes");
+  for (const StudyFile& file : report.files)
+    EXPECT_EQ(file.content.find("-nan"), std::string::npos) << file.name;
+}
+
 TEST(MonteCarlo, ReadsSettings) {
   const TomlDocument document = TomlDocument::parse(
       "runs = 7\nmethods = [\"no-merge-64\", \"iterated\"]\nnoise_exponents = [1.5]\nseed = 9\n"

@@ -12,8 +12,8 @@ namespace posemix {
 ///
 /// With (1 + x)^-2 = int_0^inf s exp(-s (1 + x)) ds the integral over u is Gaussian,
 ///   C = int_0^inf s exp(-s) |I + 2 s S|^-1/2 exp(-s m^T (I + 2 s S)^-1 m) ds,
-/// The remaining integral over s is computed by the double exponential rule. Relative error below
-/// 1e-12 for eigenvalues of S up to 1e4.
+/// The integral over s is by the double exponential rule, for means beyond 10 by trapezoids in ln
+/// s. Relative error below 1e-12 for eigenvalues of S up to 1e4.
 double projected_log_normalizer(const Eigen::Vector3d& mean, const Eigen::Matrix3d& covariance);
 
 /// Moments of u under the distribution of a projected Gaussian, whose density is proportional to

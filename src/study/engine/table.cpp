@@ -25,13 +25,15 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// The cells of a row as texts; `format_double` formats floating-point numbers.
+/// The cells of a row as texts; `format_double` formats floating-point numbers. What is no number
+/// has no sign.
 template <class FormatDouble>
 std::vector<std::string> cell_texts(const std::vector<Cell>& row,
                                     const FormatDouble& format_double) {
   std::vector<std::string> texts(row.size());
   std::transform(row.begin(), row.end(), texts.begin(), [&](const Cell& cell) -> std::string {
-    if (const auto* number = std::get_if<double>(&cell)) return format_double(*number);
+    if (const auto* number = std::get_if<double>(&cell))
+      return std::isnan(*number) ? "nan" : format_double(*number);
     if (const auto* integer = std::get_if<std::int64_t>(&cell)) return fmt::format("{}", *integer);
     if (const auto* text = std::get_if<std::string>(&cell)) return *text;
     return {};

@@ -3,6 +3,7 @@
 #include "report.hpp"
 
 #include <array>
+#include <cmath>
 #include <string_view>
 #include <vector>
 
@@ -230,8 +231,10 @@ std::vector<std::string> monte_carlo_notes(const MonteCarloStudySettings& settin
       fmt::format("Rotation error of the object at 10^{:g} [deg]:", settings.noise_exponents[last]);
   for (std::size_t method = 0; method < settings.methods.size(); ++method) {
     const MeanWithError mean = mean_with_error(values(last, method, 1));
-    errors += fmt::format("{} {} {:.3g} +- {:.1g}", method == 0 ? "" : ",",
-                          settings.methods[method], mean.mean, mean.standard_error);
+    errors +=
+        fmt::format("{} {} {:.3g}", method == 0 ? "" : ",", settings.methods[method], mean.mean);
+    if (std::isfinite(mean.standard_error))
+      errors += fmt::format(" +- {:.1g}", mean.standard_error);
   }
   notes.push_back(errors + ".");
   return notes;
