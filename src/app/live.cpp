@@ -22,6 +22,7 @@
 #include "posemix/results/results.hpp"
 #include "progress.hpp"
 #include "report.hpp"
+#include "results/readable_run.hpp"
 #include "summary.hpp"
 #include "terminal_text.hpp"
 
@@ -83,6 +84,7 @@ void write_live_results(internal::LiveResult result, OutputFolder& folder,
                          .estimated = [&](FrameEstimate& frame) { record.take(frame); }});
   guard.check();
   for (double& stamp : job.sequence.stamps) stamp += result.start_s;
+  internal::require_readable(job, run);
   write_results(folder, job, run, evaluate(job, run), {.hypotheses = &record});
   folder.commit();
   if (options.report) write_report_shown({options.out}, {}, !options.quiet, guard);
@@ -119,17 +121,17 @@ void add_live_command(CLI::App& program, std::function<int()>& action) {
       "\n"
       "Example: posemix live examples/ros/live.toml --out out/run --report");
   command->add_option("config", options->config, "Detectors, frames and settings (TOML)")
+      ->check(not_empty)
       ->type_name("CONFIG.toml");
   command->add_option("--data", options->data, "Folder below which files that it names lie")
-      ->check(not_empty)
       ->type_name("DIR");
   add_override_option(*command, options->overrides, "Override a key of the file; repeatable");
   CLI::Option* const out = command
                                ->add_option("--out", options->out,
                                             "Folder for the results of the run, as of posemix slam")
+                               ->check(not_empty)
                                ->type_name("DIR");
   command->add_flag("--report", options->report, "Write DIR/report.html too")->needs(out);
-                               ->check(not_empty)
   command->add_flag("--quiet", options->quiet, "Print warnings alone");
   command->callback([options, &action] { action = [options] { return live_command(*options); }; });
 }

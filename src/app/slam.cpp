@@ -29,6 +29,7 @@
 #include "progress.hpp"
 #include "report.hpp"
 #include "result_paths.hpp"
+#include "results/readable_run.hpp"
 #include "results/result_names.hpp"
 #include "run_provenance.hpp"
 #include "summary.hpp"
@@ -112,10 +113,10 @@ void require_state(const SlamJob& job, const SlamOptions& options) {
         "filter");
   internal::refuse_input(*options.save_state);
   std::error_code error;
-  const fs::path folder = fs::absolute(*options.save_state, error).parent_path();
   if (fs::is_directory(*options.save_state, error))
     throw InvalidInput(
         fmt::format("--save-state {}: is a folder, expected a file", *options.save_state));
+  const fs::path folder = fs::absolute(*options.save_state, error).parent_path();
   if (fs::is_directory(folder, error)) return;
   throw InvalidInput(fmt::format("--save-state {}: there is no folder '{}'", *options.save_state,
                                  folder.string()));
@@ -131,8 +132,8 @@ SlamRun filter(const SlamJob& job, const SlamOptions& options, HypothesisRecord&
     progress_report.update(done, total);
     return !guard.interrupted();
   };
-  try {
   require_state(job, options);
+  try {
     return run(job, {.record_hypotheses = job.trace_hypotheses > 0,
                      .progress = progress,
                      .finished = finished,
@@ -155,6 +156,21 @@ std::string replaced_line(const fs::path& folder) {
   return fmt::format("Replaced: the results of an earlier run, {} files\n", files);
 }
 
+/// Writes the files of a run into the folder; returns what they say, and metrics.json.
+std::pair<Metrics, std::string> write_run(OutputFolder& folder, const SlamJob& job,
+                                          const SlamRun& result, ResultOptions written,
+                                          const std::string& sequence) {
+  try {
+    internal::require_readable(job, result);
+    Metrics metrics = evaluate(job, result);
+    if (written.provenance) written.provenance->finished = utc_now();
+    std::string text = write_results(folder, job, result, metrics, written);
+    return {std::move(metrics), std::move(text)};
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", sequence, error.what()));
+  }
+}
+
 int slam_to_folder(const SlamOptions& options) {
   const InterruptGuard guard;
   if (options.report) require_report_page();
@@ -165,11 +181,10 @@ int slam_to_folder(const SlamOptions& options) {
   HypothesisRecord record(job, folder.scratch());
   const SlamRun result = filter(job, options, record, state, guard);
   guard.check();
-  const Metrics metrics = evaluate(job, result);
-  provenance.finished = utc_now();
   const std::string replaced = replaced_line(folder.target());
-  const std::string text = write_results(
-      folder, job, result, metrics, {.provenance = std::move(provenance), .hypotheses = &record});
+  const auto [metrics, text] =
+      write_run(folder, job, result, {.provenance = std::move(provenance), .hypotheses = &record},
+                options.sequence);
   guard.check();
   folder.commit();
   if (options.save_state) write_output_file(*options.save_state, state);
@@ -194,6 +209,12 @@ void check_smoothing(const SlamOptions& options) {
   }
 }
 
+/// Refuses to save the state where a result is written.
+void check_state_file(const SlamOptions& options) {
+  const NamedResult state{"--save-state", options.save_state};
+  require_beside_folder({&state, 1}, {"--out", options.out}, internal::is_run_name);
+}
+
 void add_input_options(CLI::App& command, SlamOptions& options) {
   command
       .add_option("sequence", options.sequence,
@@ -209,12 +230,6 @@ void add_input_options(CLI::App& command, SlamOptions& options) {
   add_integer_option(command, "--smooth-lag", options.smooth_lag, {1, kLongestLag},
                      "Estimates from N frames more (filter.smooth = \"fixed_lag\")")
       ->excludes(smooth);
-}
-
-/// Refuses to save the state where a result is written.
-void check_state_file(const SlamOptions& options) {
-  const NamedResult state{"--save-state", options.save_state};
-  require_beside_folder({&state, 1}, {"--out", options.out}, internal::is_run_name);
 }
 
 }  // namespace
@@ -247,9 +262,9 @@ void add_slam_command(CLI::App& program, std::function<int()>& action,
   command->add_flag("--quiet", options->quiet, "Print neither progress nor table");
   command->callback([options, &action] {
     check_smoothing(*options);
+    check_state_file(*options);
     action = [options] { return slam_to_folder(*options); };
   });
 }
 
 }  // namespace posemix
-    check_state_file(*options);

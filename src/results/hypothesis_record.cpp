@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "hypothesis_texts.hpp"
+#include "readable_run.hpp"
 
 namespace posemix {
 namespace internal {
@@ -51,6 +52,8 @@ Json joint_hypotheses_json(const FrameEstimate& frame, std::size_t most) {
 }
 
 Json alternatives_json(std::vector<ObjectAlternative> list, std::size_t most) {
+  // An object is nowhere near such a place, as that of a detection that went astray.
+  std::erase_if(list, [](const auto& one) { return !is_readable(one.pose); });
   std::stable_sort(list.begin(), list.end(),
                    [](const auto& a, const auto& b) { return a.probability > b.probability; });
   if (list.size() > most) list.resize(most);

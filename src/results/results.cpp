@@ -15,6 +15,7 @@
 #include "posemix/draw/picture.hpp"
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/tum.hpp"
+#include "readable_run.hpp"
 #include "trace_writer.hpp"
 #include "verdicts_json.hpp"
 
@@ -23,29 +24,6 @@ namespace {
 
 using namespace internal;
 using Densities = std::vector<std::optional<PoseDensity>> FrameEstimate::*;
-
-bool is_finite(const SE3d& pose) { return pose.log().allFinite(); }
-
-bool is_finite(const FrameEstimate& frame) {
-  bool finite = is_finite(frame.camera.mean()) && frame.camera.covariance().allFinite();
-  for (const Densities densities : {&FrameEstimate::objects, &FrameEstimate::relative}) {
-    for (const auto& density : frame.*densities) {
-      if (!density) continue;
-      finite = finite && is_finite(density->mean()) && density->covariance().allFinite();
-    }
-  }
-  return finite;
-}
-
-void require_finite(const SlamJob& job, const SlamRun& run) {
-  for (std::size_t k = 0; k < run.frames.size(); ++k) {
-    if (is_finite(run.frames[k])) continue;
-    throw InvalidInput(
-        fmt::format("the estimate at stamp {} s is not finite: numbers in the files or settings of "
-                    "'{}' are too extreme",
-                    job.sequence.stamps[k], job.name));
-  }
-}
 
 std::string object_tum(const SlamJob& job, const SlamRun& run, Densities densities,
                        std::size_t object) {
@@ -91,6 +69,16 @@ std::string cameras_csv(const std::vector<BodyCamera>& cameras) {
   return any ? text : "";
 }
 
+/// Numbers that no reader takes are an error of the file in which they would be.
+template <class Format>
+std::string text_of(const std::string& name, const Format& format) {
+  try {
+    return format();
+  } catch (const InvalidInput& error) {
+    throw InvalidInput(fmt::format("{}: {}", name, error.what()));
+  }
+}
+
 /// Takes the files of a run one after the other: the name, and a function that gives the content.
 using FileSink =
     std::function<void(const std::string&, const std::function<void(const TextSink&)>&)>;
@@ -115,7 +103,9 @@ class ResultFiles {
     put_mixtures();
     if (const std::string cameras = cameras_csv(run_.cameras); !cameras.empty())
       put_named("cameras.csv", cameras);
-    put_named("posterior.json", format_posterior(last_posterior(job_, run_)));
+    const char* const posterior = "posterior.json";
+    put_named(posterior,
+              text_of(posterior, [&] { return format_posterior(last_posterior(job_, run_)); }));
     sink_("trace.json", [&](const TextSink& text) {
       const auto* record = options_.hypotheses;
       stamp_.run = write_trace(job_, run_, record == nullptr ? nullptr : &record->texts(), text);
@@ -142,8 +132,10 @@ class ResultFiles {
     for (std::size_t object = 0; object < run_.hypotheses.size(); ++object) {
       if (run_.hypotheses[object].empty()) continue;
       const std::string& id = job_.models[object].id;
-      put_named(fmt::format("mixture_{}.json", id),
-                format_mixture({{"world", id}, world_mixture(run_.hypotheses[object])}));
+      const std::string name = fmt::format("mixture_{}.json", id);
+      put_named(name, text_of(name, [&] {
+                  return format_mixture({{"world", id}, world_mixture(run_.hypotheses[object])});
+                }));
     }
   }
 
@@ -175,7 +167,7 @@ std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
 
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                                       const Metrics& metrics, const ResultOptions& options) {
-  require_finite(job, run);
+  require_readable(job, run);
   std::vector<NamedText> files;
   ResultFiles(job, run, metrics, options, [&](const std::string& name, const auto& content) {
     std::string& text = files.emplace_back(name, "").second;
@@ -186,7 +178,7 @@ std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
 
 std::string write_results(OutputFolder& folder, const SlamJob& job, const SlamRun& run,
                           const Metrics& metrics, const ResultOptions& options) {
-  require_finite(job, run);
+  require_readable(job, run);
   folder.remove_earlier(earlier_results(folder.target()));
   folder.put_last("metrics.json");
   return ResultFiles(

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "posemix/base/limits.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "slam/frames.hpp"
 #include "slam/motion.hpp"
@@ -35,6 +36,20 @@ void require_no_candidates(bool has_none) {
   require(has_none,
           "smoothing by a fixed lag: detections that name a class are not smoothed, expected "
           "detections that name their object");
+}
+
+/// Whether double precision holds anything of what was smoothed: the passes need not converge where
+/// nearly nothing is known, as after a gap of days.
+bool is_sound(const JointState& joint) {
+  constexpr double kRounding = 1e-12;
+  bool is_near = true;
+  for (std::size_t i = 0; i < joint.poses.size(); ++i) {
+    const SE3d& pose = joint.poses[i];
+    is_near = is_near && pose.rotation().quaternion().coeffs().allFinite() &&
+              pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition;
+  }
+  return is_near && joint.covariance.allFinite() &&
+         joint.covariance.diagonal().minCoeff() >= -kRounding;
 }
 
 }  // namespace
@@ -110,6 +125,14 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   const SmoothingWindow window(before_, now, motion_, leading_modes(now));
   SmoothedModes smoothed = window.smooth(inputs, smoothing_.passes);
   const std::vector<JointState>& joint = smoothed.states;
+  for (std::size_t k = 0; k < joint.size(); ++k) {
+    if (is_sound(joint[k])) continue;
+    throw InvalidInput(
+        fmt::format("smoothing: at frame {} of {} nothing is left of the poses, as too little is "
+                    "known or a detection is too far, expected shorter gaps and detections near "
+                    "by, or a run that is not smoothed",
+                    k + 1, joint.size()));
+  }
   camera_lags_ = std::move(smoothed.camera_lags);
 
   std::vector<FrameEstimate> estimates;
@@ -148,6 +171,7 @@ void FixedLagSmoother::add_alternatives(std::span<const SmootherFrame* const> in
       modes[j] = h;
       const SmoothingWindow window(before_, now, motion_, modes);
       const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes).states;
+      if (!std::all_of(joint.begin(), joint.end(), is_sound)) continue;
       for (std::size_t k = 0; k < estimates.size(); ++k) {
         if (!estimates[k].pose_indices[j]) continue;
         estimates[k].alternatives[j].push_back(
