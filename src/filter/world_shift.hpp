@@ -52,10 +52,17 @@ class WorldShift {
   Eigen::Matrix3d lever_;
 };
 
+/// To a world whose origin is at a pose that is far from the origin; else none.
+inline WorldShift shift_near(const SE3d& pose) {
+  const Eigen::Vector3d& place = pose.translation();
+  return WorldShift(place.norm() > kFarFromOrigin_m ? Eigen::Vector3d(-place)
+                                                    : Eigen::Vector3d(Eigen::Vector3d::Zero()));
+}
+
 /// The density of a pose as seen from near it, where it is far from the origin.
 inline ConcentratedGaussian<SE3d> seen_from_near(const ConcentratedGaussian<SE3d>& pose) {
-  const Eigen::Vector3d& place = pose.mean().translation();
-  return place.norm() > kFarFromOrigin_m ? WorldShift(-place)(pose) : pose;
+  const WorldShift shift = shift_near(pose.mean());
+  return shift.is_none() ? pose : shift(pose);
 }
 
 }  // namespace posemix::internal

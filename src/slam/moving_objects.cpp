@@ -12,6 +12,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
+#include "filter/world_shift.hpp"
 #include "posemix/base/error.hpp"
 #include "slam/semidefinite.hpp"
 
@@ -170,12 +171,29 @@ void MovingObjects::begin(double dt, const std::vector<std::optional<KnownFrame>
 // covariance (I - G) P_now (I - G)^T + P_before - G P_before.
 void MovingObjects::follow(const PoseDensity& before, const PoseDensity& predicted,
                            const PoseDensity& now) {
-  const Matrix6d gain = predicted.covariance().llt().solve(before.covariance()).transpose();
-  const Vector6d corrected = (now.mean() * predicted.mean().inverse()).log();
+  // In a world whose origin is near the camera, where the covariances keep their digits.
+  const internal::WorldShift near = internal::shift_near(now.mean());
+  const auto covariance = [&](const PoseDensity& pose) {
+    return near.is_none() ? pose.covariance() : near(pose).covariance();
+  };
+  const Matrix6d p_before = covariance(before);
+  const Matrix6d p_now = covariance(now);
+  const SE3d predicted_there = near(predicted.mean());
+  const Matrix6d gain = covariance(predicted).llt().solve(p_before).transpose();
+  const Vector6d corrected = (near(now.mean()) * predicted_there.inverse()).log();
   const Matrix6d rest = Matrix6d::Identity() - gain;
-  const Matrix6d added = internal::semidefinite(rest * now.covariance() * rest.transpose() +
-                                                before.covariance() - gain * before.covariance());
-  move_world(SE3d::exp(Vector6d(gain * corrected)), added, now.covariance());
+  const Matrix6d added =
+      internal::semidefinite(rest * p_now * rest.transpose() + p_before - gain * p_before);
+  const SE3d by = SE3d::exp(Vector6d(gain * corrected));
+  if (near.is_none()) {
+    move_world(by, added, now.covariance());
+    return;
+  }
+  // In the world that is given: S^-1 by S, where S is the shift.
+  const internal::WorldShift back = near.inverse();
+  Matrix6d added_there = back(added);
+  symmetrize(added_there);
+  move_world(back(by * near(SE3d())), added_there, now.covariance());
 }
 
 // The object is where it is in the world, and the camera, which says where it sees it, is wrong.

@@ -26,7 +26,10 @@ Modes leading_modes(const MultiObjectFilter& filter) {
 
 SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObjectFilter& now,
                                  const MotionSettings& motion, const Modes& modes)
-    : before_(before), now_(now), indices_(modes.size()) {
+    : before_(before),
+      now_(now),
+      to_scene_(shift_near(now.camera().mean())),
+      indices_(modes.size()) {
   model_.motion = motion;
   model_.filter = &now;
   for (std::size_t j = 0; j < modes.size(); ++j) {
@@ -34,7 +37,11 @@ SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObj
     indices_[j] = model_.first_object() + model_.objects.size();
     model_.objects.push_back(j);
     model_.sensors.push_back(&now.sensor(j));
-    hypotheses_.push_back(now.hypotheses(j)[*modes[j]]);
+    ObjectHypothesis one = now.hypotheses(j)[*modes[j]];
+    one.pose = to_scene_(one.pose);
+    one.covariance = to_scene_(one.covariance);
+    symmetrize(one.covariance);
+    hypotheses_.push_back(std::move(one));
   }
 }
 
@@ -44,10 +51,43 @@ SmoothedModes SmoothingWindow::smooth(std::span<const SmootherFrame* const> fram
   // pass, which has nothing else to tell right detections from wrong ones, with its covariance of
   // now, then as good as unknown.
   const Modes known = known_before();
-  ModeSmoother smoother(model_, frames);
+  std::vector<SmootherFrame> near;  // where cameras that are given are far
+  std::vector<const SmootherFrame*> taken(frames.begin(), frames.end());
+  if (!to_scene_.is_none()) {
+    for (const SmootherFrame* frame : frames) {
+      near.push_back(*frame);
+      auto& camera = near.back().input.camera;
+      if (camera) camera = to_scene_(*camera);
+    }
+    for (std::size_t k = 0; k < near.size(); ++k) taken[k] = &near[k];
+  }
+  ModeSmoother smoother(model_, taken);
   smoother.pass(start(known, false));
   for (std::size_t pass = 1; pass < passes; ++pass) smoother.refine(start(known, true));
-  return {smoother.smoothed(), smoother.camera_lags()};
+  SmoothedModes result{smoother.smoothed(), smoother.camera_lags()};
+  if (to_scene_.is_none()) return result;
+  const WorldShift back = to_scene_.inverse();
+  for (JointState& state : result.states) state = moved(std::move(state), poses_in_world(), back);
+  for (Matrix6d& lag : result.camera_lags) lag = back(lag);
+  return result;
+}
+
+JointState SmoothingWindow::moved(JointState joint, const std::vector<std::size_t>& in_world,
+                                  const WorldShift& shift) const {
+  if (shift.is_none()) return joint;
+  for (const std::size_t i : in_world) {
+    joint.poses[i] = shift(joint.poses[i]);
+    shift.move_rows(rows(joint.covariance, i));
+    shift.move_columns(columns(joint.covariance, i));
+  }
+  symmetrize(joint.covariance);
+  return joint;
+}
+
+std::vector<std::size_t> SmoothingWindow::poses_in_world() const {
+  std::vector<std::size_t> list{kCamera};
+  for (std::size_t i = model_.first_object(); i < model_.poses(); ++i) list.push_back(i);
+  return list;
 }
 
 Hypothesis SmoothingWindow::reported(const JointState& joint) const {
@@ -82,12 +122,16 @@ JointState SmoothingWindow::start(const Modes& known, bool vague) const {
   start.covariance = Eigen::MatrixXd::Zero(offset(blocks), offset(blocks));
 
   // Blocks that are new, and where those that the filter had belong.
-  const JointState given = before_.joint_state(known);
+  JointState given = before_.joint_state(known);
   std::vector<std::size_t> poses{kCamera};
   std::vector<std::size_t> slow;
   const auto objects = static_cast<std::size_t>(
       std::count_if(known.begin(), known.end(), [](const auto& mode) { return mode.has_value(); }));
-  if (given.poses.size() - objects > 1) poses.push_back(kMotion);
+  const bool has_motion = given.poses.size() - objects > 1;
+  if (has_motion) poses.push_back(kMotion);
+  std::vector<std::size_t> in_world{kCamera};
+  for (std::size_t i = has_motion ? 2 : 1; i < given.poses.size(); ++i) in_world.push_back(i);
+  given = moved(std::move(given), in_world, to_scene_);
   if (model_.has_motion()) {
     block(start.covariance, kMotion, kMotion) =
         model_.motion.motion_noise.over(model_.motion.period_s);

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "filter/world_shift.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 #include "slam/mode_smoother.hpp"
 
@@ -44,13 +45,21 @@ class SmoothingWindow {
  private:
   Modes known_before() const;
   JointState start(const Modes& known, bool vague) const;
+  /// Poses of the world are moved to another.
+  JointState moved(JointState joint, const std::vector<std::size_t>& in_world,
+                   const WorldShift& shift) const;
+  /// Camera and objects of what is smoothed, without the motion.
+  std::vector<std::size_t> poses_in_world() const;
   void add_new(std::size_t i, bool vague, JointState& start) const;
   Matrix6d new_covariance(std::size_t i, bool vague) const;
 
   const MultiObjectFilter& before_;
   const MultiObjectFilter& now_;
+  /// From the world of the filter to that in which the window is smoothed, whose origin is near the
+  /// camera of now.
+  WorldShift to_scene_;
   ModeModel model_;
-  std::vector<ObjectHypothesis> hypotheses_;  ///< of now, by object of the model
+  std::vector<ObjectHypothesis> hypotheses_;  ///< of now, by object of the model, near the scene
   std::vector<std::optional<std::size_t>> indices_;
 };
 

@@ -94,8 +94,8 @@ class Scene {
   std::vector<SE3d> objects_;
 };
 
-MultiObjectFilter filter_of(const Scene& scene, const ObjectSensor& sensor,
-                            const MultiObjectSettings& settings = {}) {
+MultiObjectFilter filter_with(const Scene& scene, const ObjectSensor& sensor,
+                              const MultiObjectSettings& settings = {}) {
   return {ConcentratedGaussian<SE3d>(SE3d(), noise_of(0.1, 0.002)),
           std::vector<ObjectSensor>(scene.size(), sensor), settings};
 }
@@ -147,7 +147,7 @@ TEST_F(Allocations, NoneWhereEveryObjectHasOneMode) {
   for (const std::size_t objects : {1, 5, 10}) {
     for (const Frame& predict : {Frame(by_odometry), Frame(by_random_walk)}) {
       Scene scene(objects, 1);
-      MultiObjectFilter filter = filter_of(scene, {plain_noise()});
+      MultiObjectFilter filter = filter_with(scene, {plain_noise()});
       EXPECT_EQ(allocations_of(filter, scene, predict), 0) << objects;
     }
   }
@@ -156,7 +156,7 @@ TEST_F(Allocations, NoneWhereEveryObjectHasOneMode) {
 TEST_F(Allocations, NoneByTheNoiseThatNothingIsToldOf) {
   for (const std::size_t objects : {1, 5, 10}) {
     Scene scene(objects, 1);
-    MultiObjectFilter filter = filter_of(scene, {default_detector_noise()});
+    MultiObjectFilter filter = filter_with(scene, {default_detector_noise()});
     EXPECT_EQ(allocations_of(filter, scene, by_odometry), 0) << objects;
   }
 }
@@ -164,7 +164,7 @@ TEST_F(Allocations, NoneByTheNoiseThatNothingIsToldOf) {
 TEST_F(Allocations, NoneWhereThreeModesOfEveryObjectCompete) {
   for (const std::size_t objects : {1, 5, 10}) {
     Scene scene(objects, 3);
-    MultiObjectFilter filter = filter_of(scene, {plain_noise()});
+    MultiObjectFilter filter = filter_with(scene, {plain_noise()});
     EXPECT_EQ(allocations_of(filter, scene, by_odometry), 0) << objects;
   }
 }
@@ -172,7 +172,7 @@ TEST_F(Allocations, NoneWhereThreeModesOfEveryObjectCompete) {
 TEST_F(Allocations, NoneByConstantVelocity) {
   for (const std::size_t objects : {1, 5}) {
     Scene scene(objects, 1);
-    MultiObjectFilter filter = filter_of(scene, {plain_noise()}, {.has_odometry = false});
+    MultiObjectFilter filter = filter_with(scene, {plain_noise()}, {.has_odometry = false});
     EXPECT_EQ(allocations_of(filter, scene, by_constant_velocity), 0) << objects;
   }
 }

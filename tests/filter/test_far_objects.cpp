@@ -23,7 +23,7 @@ Matrix6d about(const Eigen::Vector3d& place, double rotation_deg, double transla
 }
 
 /// NEES per degree of freedom, as seen from a world whose origin is at the pose.
-double nees(const ConcentratedGaussian<SE3d>& found, const SE3d& truth) {
+double nees_near(const ConcentratedGaussian<SE3d>& found, const SE3d& truth) {
   const SE3d near(SO3d(), -truth.translation());
   const Matrix6d p = near.adjoint_congruence(found.covariance());
   const Vector6d error = ((near * truth) * (near * found.mean()).inverse()).log();
@@ -71,7 +71,7 @@ TEST_P(FarObjects, StayAsTheyAreWhileARobotDrivesAwayAndComesBack) {
   for (int k = 0; k < 10; ++k) see(filter, scene, 3);
   for (std::size_t j = 0; j < 3; ++j) {
     const auto relative = filter.leading_estimates()[j]->relative;
-    EXPECT_LT(nees(relative, scene.camera.inverse() * scene.truth[j]), 3.0) << j;
+    EXPECT_LT(nees_near(relative, scene.camera.inverse() * scene.truth[j]), 3.0) << j;
   }
 }
 
@@ -115,8 +115,8 @@ TEST(KnownObjectsFarAway, KeepWhatIsKnownOfThem) {
       const Matrix6d own =
           SE3d(SO3d(), -shelf.translation()).adjoint_congruence(found->world.covariance());
       EXPECT_NEAR(std::sqrt(own(4, 4)), 0.005, 2e-4) << distance << first;
-      EXPECT_LT(nees(found->world, shelf), 3.0) << distance << first;
-      EXPECT_LT(nees(filter.camera(), far * scene.camera), 4.0) << distance << first;
+      EXPECT_LT(nees_near(found->world, shelf), 3.0) << distance << first;
+      EXPECT_LT(nees_near(filter.camera(), far * scene.camera), 4.0) << distance << first;
     }
   }
 }
@@ -146,19 +146,19 @@ TEST(KnownObjectsFarAway, AreRefusedForTheirOwnErrorsAndNotForWhereTheCameraIs) 
 /// More objects than are active at once, in a world of which nothing is known but where the camera
 /// is: what objects have apart from it stays.
 TEST(ManyObjects, StayRightInAnUncertainWorldBesideAKnownObject) {
-  constexpr std::size_t kObjects = 50;
+  constexpr std::size_t kMany = 50;
   for (const bool is_seen : {false, true}) {
-    OrbitScene scene(1, kObjects, 0.05, 6e-4);
-    for (std::size_t j = 0; j < kObjects; ++j) {
+    OrbitScene scene(1, kMany, 0.05, 6e-4);
+    for (std::size_t j = 0; j < kMany; ++j) {
       const auto row = static_cast<double>(j / 9), column = static_cast<double>(j % 9);
       scene.truth[j] = testing::pose(0.3 * column, 0.2, 0.5 - row, 0.08 * (column - 4.0),
                                      0.08 * (row - 3.0), 0.05);
     }
-    const Matrix6d sharp = 0.09 * testing::ray_noise().components().front().covariance;
-    const DetectorNoise noise({{.weight = 0.9, .covariance = sharp, .frame = NoiseFrame::ray}},
+    const Matrix6d narrow = 0.09 * testing::ray_noise().components().front().covariance;
+    const DetectorNoise noise({{.weight = 0.9, .covariance = narrow, .frame = NoiseFrame::ray}},
                               {.weight = 0.1, .volume_m3 = 1.0});
     MultiObjectFilter filter({scene.camera, about(scene.camera.translation(), 90.0, 0.005)},
-                             std::vector<ObjectSensor>(kObjects, {noise}), {});
+                             std::vector<ObjectSensor>(kMany, {noise}), {});
     const auto detect = [&](std::size_t j) {
       const SE3d seen = scene.camera.inverse() * scene.truth[j];
       const NoiseAtPose at = noise_at(noise.components().front(), seen);
@@ -171,14 +171,14 @@ TEST(ManyObjects, StayRightInAnUncertainWorldBesideAKnownObject) {
         filter.add_object({noise},
                           ObjectPrior{{known, about(known.translation(), 0.5, 0.005)}, 0.95});
       }
-      for (std::size_t j = 0; j < kObjects; ++j) filter.update(j, detect(j));
-      if (is_seen && k >= 12) filter.update(kObjects, detect(0));
+      for (std::size_t j = 0; j < kMany; ++j) filter.update(j, detect(j));
+      if (is_seen && k >= 12) filter.update(kMany, detect(0));
     }
     const auto estimates = filter.leading_estimates();
     double mean = 0.0;
-    for (std::size_t j = 0; j < kObjects; ++j) {
+    for (std::size_t j = 0; j < kMany; ++j) {
       ASSERT_TRUE(estimates[j]);
-      mean += nees(estimates[j]->relative, scene.camera.inverse() * scene.truth[j]) / kObjects;
+      mean += nees_near(estimates[j]->relative, scene.camera.inverse() * scene.truth[j]) / kMany;
     }
     EXPECT_GT(mean, 0.5) << is_seen;
     EXPECT_LT(mean, 2.0) << is_seen;

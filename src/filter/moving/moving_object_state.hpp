@@ -12,6 +12,7 @@
 #include "filter/multi_object/noise_scale.hpp"
 #include "filter/multi_object/object_belief.hpp"
 #include "filter/multi_object/object_merge.hpp"
+#include "filter/world_shift.hpp"
 #include "mode_weights.hpp"
 #include "placed_object.hpp"
 #include "posemix/base/state_fields.hpp"
@@ -126,6 +127,10 @@ class MovingObjectState {
   friend struct StateFields;
 
   using Evidence = std::vector<std::vector<ModeEvidence>>;  ///< by hypothesis and model
+
+  /// update() in a world whose origin is near the scene.
+  MovingObjectReport update_here(const Observation& observation, const KnownCamera& camera);
+  void move_origin(const WorldShift& shift);
 
   std::size_t model_count() const { return models_.models.size(); }
   /// The frame that holds the object by a model; none for models without.

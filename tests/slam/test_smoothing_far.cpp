@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "posemix/slam/smoothing.hpp"
+#include "smoothing_scene.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::isotropic;
+using testing::kR;
+using testing::kStart;
+
+/// Two objects before a camera in a world whose origin is elsewhere, smoothed by the default
+/// filter.
+SlamRun smoothed_at(const SE3d& world, std::size_t lag, MotionModel model) {
+  Sequence sequence = testing::drawn_sequence(3, 2);
+  ObjectSlamSettings settings = testing::plain_slam_settings();
+  settings.tracker = MultiObjectSlamSettings{};
+  settings.motion.model = model;
+  if (model == MotionModel::given) {
+    settings.motion.noise.covariance = isotropic(0.2, 0.003);
+    for (std::size_t k = 0; k < sequence.stamps.size(); ++k)
+      if (sequence.odometry[k]) sequence.odometry[k] = world * *sequence.camera_truth[k];
+  }
+  const SE3d place(SO3d(), kStart.translation());
+  const Matrix6d start = (world * place).adjoint_congruence(isotropic(0.5, 0.005));
+  const DetectorNoise noise({{.weight = 0.9, .covariance = kR}}, {.weight = 0.1, .volume_m3 = 1.0});
+  return run_smoothed(sequence, {world * kStart, start}, testing::models_with(noise, 2), settings,
+                      {.lag_frames = lag});
+}
+
+/// In standard deviations of `a`.
+double apart(const PoseDensity& a, const SE3d& b) {
+  const Vector6d xi = (a.mean() * b.inverse()).log();
+  return std::sqrt(xi.dot(a.covariance().llt().solve(xi)));
+}
+
+void expect_same(const PoseDensity& near, const SE3d& mean, const Matrix6d& covariance,
+                 double tolerance) {
+  EXPECT_LT(apart(near, mean), tolerance);
+  EXPECT_LT((covariance - near.covariance()).norm(), tolerance * near.covariance().norm());
+}
+
+TEST(SmoothingFarAway, IsWhatItIsNearTheOrigin) {
+  for (const MotionModel model : {MotionModel::odometry, MotionModel::given}) {
+    for (const std::size_t lag : {0, 5}) {
+      const SlamRun near = smoothed_at(SE3d(), lag, model);
+      for (const double distance : {100.0, 3e3, 1e5}) {
+        const SE3d world(SO3d(), {distance, -0.6 * distance, 0.1 * distance});
+        const SlamRun far = smoothed_at(world, lag, model);
+        const SE3d back = world.inverse();
+        const double tolerance = distance < 1e4 ? 1e-5 : 5e-3;
+        ASSERT_EQ(far.frames.size(), near.frames.size());
+        for (std::size_t k = 0; k < near.frames.size(); ++k) {
+          const FrameEstimate& a = near.frames[k];
+          const FrameEstimate& b = far.frames[k];
+          expect_same(a.camera, back * b.camera.mean(),
+                      back.adjoint_congruence(b.camera.covariance()), tolerance);
+          for (std::size_t j = 0; j < 2; ++j) {
+            ASSERT_EQ(a.relative[j].has_value(), b.relative[j].has_value());
+            if (!a.relative[j]) continue;
+            expect_same(*a.relative[j], b.relative[j]->mean(), b.relative[j]->covariance(),
+                        tolerance);
+          }
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace posemix
