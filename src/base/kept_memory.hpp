@@ -46,7 +46,9 @@ struct KeptAllocator {
     static_assert(alignof(T) <= kKeptAlignment);
     return static_cast<T*>(kept_memory(count * sizeof(T)));
   }
-  void deallocate(T* first, std::size_t count) noexcept { keep_memory(first, count * sizeof(T)); }
+  void deallocate(T* first, std::size_t count) noexcept {
+    keep_memory(static_cast<void*>(first), count * sizeof(T));
+  }
 
   template <class U>
   bool operator==(const KeptAllocator<U>&) const noexcept {

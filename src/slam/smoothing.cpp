@@ -43,8 +43,7 @@ void require_no_candidates(bool has_none) {
 bool is_sound(const JointState& joint) {
   constexpr double kRounding = 1e-12;
   bool is_near = true;
-  for (std::size_t i = 0; i < joint.poses.size(); ++i) {
-    const SE3d& pose = joint.poses[i];
+  for (const SE3d& pose : joint.poses) {
     is_near = is_near && pose.rotation().quaternion().coeffs().allFinite() &&
               pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition;
   }

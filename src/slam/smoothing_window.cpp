@@ -114,6 +114,16 @@ Modes SmoothingWindow::known_before() const {
   return known;
 }
 
+SmoothingWindow::Given SmoothingWindow::given_before(const Modes& known) const {
+  JointState joint = before_.joint_state(known);
+  const auto objects = static_cast<std::size_t>(
+      std::count_if(known.begin(), known.end(), [](const auto& mode) { return mode.has_value(); }));
+  const bool has_motion = joint.poses.size() - objects > 1;
+  std::vector<std::size_t> in_world{kCamera};
+  for (std::size_t i = has_motion ? 2 : 1; i < joint.poses.size(); ++i) in_world.push_back(i);
+  return {moved(std::move(joint), in_world, to_scene_), has_motion};
+}
+
 JointState SmoothingWindow::start(const Modes& known, bool vague) const {
   JointState start{PoseStackd(model_.poses()), {}, {}};
   std::size_t blocks = model_.poses();
@@ -122,16 +132,10 @@ JointState SmoothingWindow::start(const Modes& known, bool vague) const {
   start.covariance = Eigen::MatrixXd::Zero(offset(blocks), offset(blocks));
 
   // Blocks that are new, and where those that the filter had belong.
-  JointState given = before_.joint_state(known);
+  const auto [given, has_motion] = given_before(known);
   std::vector<std::size_t> poses{kCamera};
   std::vector<std::size_t> slow;
-  const auto objects = static_cast<std::size_t>(
-      std::count_if(known.begin(), known.end(), [](const auto& mode) { return mode.has_value(); }));
-  const bool has_motion = given.poses.size() - objects > 1;
   if (has_motion) poses.push_back(kMotion);
-  std::vector<std::size_t> in_world{kCamera};
-  for (std::size_t i = has_motion ? 2 : 1; i < given.poses.size(); ++i) in_world.push_back(i);
-  given = moved(std::move(given), in_world, to_scene_);
   if (model_.has_motion()) {
     block(start.covariance, kMotion, kMotion) =
         model_.motion.motion_noise.over(model_.motion.period_s);

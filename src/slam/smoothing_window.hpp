@@ -43,7 +43,14 @@ class SmoothingWindow {
   std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
 
  private:
+  /// What the filter had before the window, near the scene.
+  struct Given {
+    JointState joint;
+    bool has_motion;
+  };
+
   Modes known_before() const;
+  Given given_before(const Modes& known) const;
   JointState start(const Modes& known, bool vague) const;
   /// Poses of the world are moved to another.
   JointState moved(JointState joint, const std::vector<std::size_t>& in_world,
