@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 #include <vector>
 
 /// Memory that a thread keeps for the next frame of a filter, which thus asks the heap for nothing
@@ -44,6 +45,7 @@ struct KeptAllocator {
 
   T* allocate(std::size_t count) {
     static_assert(alignof(T) <= kKeptAlignment);
+    if (count > static_cast<std::size_t>(-1) / sizeof(T)) throw std::bad_array_new_length();
     return static_cast<T*>(kept_memory(count * sizeof(T)));
   }
   void deallocate(T* first, std::size_t count) noexcept {

@@ -28,7 +28,7 @@ std::string estimate_fault(const PoseDensity& density) {
 }  // namespace
 
 bool is_readable(const SE3d& pose) {
-  return pose.rotation().quaternion().coeffs().allFinite() &&
+  return pose.rotation().quaternion().coeffs().allFinite() && pose.translation().allFinite() &&
          pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition;
 }
 

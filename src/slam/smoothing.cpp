@@ -38,17 +38,17 @@ void require_no_candidates(bool has_none) {
           "detections that name their object");
 }
 
-/// Whether double precision holds anything of what was smoothed: the passes need not converge where
-/// nearly nothing is known, as after a gap of days.
-bool is_sound(const JointState& joint) {
+/// Whether double precision holds anything of poses that were smoothed: the passes need not
+/// converge where nearly nothing is known, as after a gap of days.
+bool is_sound(const JointState& joint, const std::vector<std::size_t>& poses) {
   constexpr double kRounding = 1e-12;
-  bool is_near = true;
-  for (const SE3d& pose : joint.poses) {
-    is_near = is_near && pose.rotation().quaternion().coeffs().allFinite() &&
-              pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition;
-  }
-  return is_near && joint.covariance.allFinite() &&
-         joint.covariance.diagonal().minCoeff() >= -kRounding;
+  return std::all_of(poses.begin(), poses.end(), [&](std::size_t i) {
+    const SE3d& pose = joint.poses[i];
+    const Matrix6d own = block(joint.covariance, i, i);
+    return pose.rotation().quaternion().coeffs().allFinite() && pose.translation().allFinite() &&
+           pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition && own.allFinite() &&
+           own.diagonal().minCoeff() >= -kRounding;
+  });
 }
 
 }  // namespace
@@ -114,6 +114,22 @@ std::vector<FrameEstimate> FixedLagSmoother::finish() {
   return frames;
 }
 
+/// Where the camera is at the first frame of the window.
+SE3d FixedLagSmoother::scene() const {
+  return window_.front().taken.input.camera.value_or(before_.camera().mean());
+}
+
+/// The camera and the objects that are known at a frame of the window.
+std::vector<std::size_t> FixedLagSmoother::reported_poses(const internal::SmoothingWindow& window,
+                                                          std::size_t frame) const {
+  std::vector<std::size_t> poses{kCamera};
+  for (std::size_t j = 0; j < window_[frame].known.size(); ++j) {
+    const auto index = window.pose_index(j);
+    if (window_[frame].known[j] && index) poses.push_back(*index);
+  }
+  return poses;
+}
+
 /// The first `count` frames of the window, smoothed.
 std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   const Stopwatch stopwatch;
@@ -121,15 +137,15 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   std::vector<const SmootherFrame*> inputs;
   inputs.reserve(window_.size());
   for (const Frame& frame : window_) inputs.push_back(&frame.taken);
-  const SmoothingWindow window(before_, now, motion_, leading_modes(now));
+  const SmoothingWindow window(before_, now, motion_, scene(), leading_modes(now));
   SmoothedModes smoothed = window.smooth(inputs, smoothing_.passes);
   const std::vector<JointState>& joint = smoothed.states;
   for (std::size_t k = 0; k < joint.size(); ++k) {
-    if (is_sound(joint[k])) continue;
+    if (is_sound(joint[k], reported_poses(window, k))) continue;
     throw InvalidInput(
         fmt::format("smoothing: at frame {} of {} nothing is left of the poses, as too little is "
-                    "known or a detection is too far, expected shorter gaps and detections near "
-                    "by, or a run that is not smoothed",
+                    "known, a detection is too far or the way is kilometres long, expected shorter "
+                    "gaps and ways and detections near by, or a run that is not smoothed",
                     k + 1, joint.size()));
   }
   camera_lags_ = std::move(smoothed.camera_lags);
@@ -168,9 +184,12 @@ void FixedLagSmoother::add_alternatives(std::span<const SmootherFrame* const> in
       const bool leads = modes[j] == h;
       if (!leads && list[h].probability < smoothing_.least_probability) continue;
       modes[j] = h;
-      const SmoothingWindow window(before_, now, motion_, modes);
+      const SmoothingWindow window(before_, now, motion_, scene(), modes);
       const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes).states;
-      if (!std::all_of(joint.begin(), joint.end(), is_sound)) continue;
+      bool is_lost = false;
+      for (std::size_t k = 0; k < joint.size(); ++k)
+        is_lost = is_lost || !is_sound(joint[k], reported_poses(window, k));
+      if (is_lost) continue;
       for (std::size_t k = 0; k < estimates.size(); ++k) {
         if (!estimates[k].pose_indices[j]) continue;
         estimates[k].alternatives[j].push_back(

@@ -25,11 +25,9 @@ Modes leading_modes(const MultiObjectFilter& filter) {
 }
 
 SmoothingWindow::SmoothingWindow(const MultiObjectFilter& before, const MultiObjectFilter& now,
-                                 const MotionSettings& motion, const Modes& modes)
-    : before_(before),
-      now_(now),
-      to_scene_(shift_near(now.camera().mean())),
-      indices_(modes.size()) {
+                                 const MotionSettings& motion, const SE3d& scene,
+                                 const Modes& modes)
+    : before_(before), now_(now), to_scene_(shift_near(scene)), indices_(modes.size()) {
   model_.motion = motion;
   model_.filter = &now;
   for (std::size_t j = 0; j < modes.size(); ++j) {

@@ -31,8 +31,9 @@ struct SmoothedModes {
 /// after its last; `modes` are hypotheses of now. All that was learned of the noise is of now.
 class SmoothingWindow {
  public:
+  /// `scene` is where the camera is at the first frame, about.
   SmoothingWindow(const MultiObjectFilter& before, const MultiObjectFilter& now,
-                  const MotionSettings& motion, const Modes& modes);
+                  const MotionSettings& motion, const SE3d& scene, const Modes& modes);
 
   SmoothedModes smooth(std::span<const SmootherFrame* const> frames, std::size_t passes) const;
 
@@ -63,7 +64,7 @@ class SmoothingWindow {
   const MultiObjectFilter& before_;
   const MultiObjectFilter& now_;
   /// From the world of the filter to that in which the window is smoothed, whose origin is near the
-  /// camera of now.
+  /// first camera: what was seen there stays as it is when the camera goes far.
   WorldShift to_scene_;
   ModeModel model_;
   std::vector<ObjectHypothesis> hypotheses_;  ///< of now, by object of the model, near the scene

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cerrno>
 #include <cstdlib>
 #include <functional>
 #include <numbers>
@@ -34,6 +35,8 @@ std::atomic<long> allocations = 0;
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
+void* __libc_realloc(void* memory, std::size_t size);
+void* __libc_calloc(std::size_t count, std::size_t size);
 
 void* malloc(std::size_t size) {
   ++allocations;
@@ -42,6 +45,19 @@ void* malloc(std::size_t size) {
 void* aligned_alloc(std::size_t alignment, std::size_t size) {
   ++allocations;
   return __libc_memalign(alignment, size);
+}
+void* realloc(void* memory, std::size_t size) {
+  ++allocations;
+  return __libc_realloc(memory, size);
+}
+void* calloc(std::size_t count, std::size_t size) {
+  ++allocations;
+  return __libc_calloc(count, size);
+}
+int posix_memalign(void** memory, std::size_t alignment, std::size_t size) {
+  ++allocations;
+  *memory = __libc_memalign(alignment, size);
+  return *memory == nullptr ? ENOMEM : 0;
 }
 }
 #endif
@@ -155,10 +171,20 @@ TEST_F(Allocations, NoneWhereEveryObjectHasOneMode) {
 
 TEST_F(Allocations, NoneByTheNoiseThatNothingIsToldOf) {
   for (const std::size_t objects : {1, 5, 10}) {
-    Scene scene(objects, 1);
-    MultiObjectFilter filter = filter_with(scene, {default_detector_noise()});
-    EXPECT_EQ(allocations_of(filter, scene, by_odometry), 0) << objects;
+    for (const Frame& predict :
+         {Frame(by_odometry), Frame(by_random_walk), Frame(by_constant_velocity)}) {
+      Scene scene(objects, 1);
+      MultiObjectFilter filter = filter_with(scene, {default_detector_noise()});
+      EXPECT_EQ(allocations_of(filter, scene, predict), 0) << objects;
+    }
   }
+}
+
+TEST_F(Allocations, NoneOfObjectsWithAnAxis) {
+  Scene scene(5, 1);
+  const SymmetryGroup cup({}, {{Eigen::Vector3d::UnitZ()}});
+  MultiObjectFilter filter = filter_with(scene, {plain_noise(), cup});
+  EXPECT_EQ(allocations_of(filter, scene, by_odometry), 0);
 }
 
 TEST_F(Allocations, NoneWhereThreeModesOfEveryObjectCompete) {

@@ -143,47 +143,83 @@ TEST(KnownObjectsFarAway, AreRefusedForTheirOwnErrorsAndNotForWhereTheCameraIs) 
   }
 }
 
-/// More objects than are active at once, in a world of which nothing is known but where the camera
+/// What is known of the camera at the start, and how the world becomes known.
+struct Start {
+  double rotation_deg;
+  double translation_m;
+  bool has_prior;
+  bool is_seen;
+};
+
+class ManyObjects : public ::testing::TestWithParam<Start> {};
+
+/// More objects than are active at once, in a world of which little is known but where the camera
 /// is: what objects have apart from it stays.
-TEST(ManyObjects, StayRightInAnUncertainWorldBesideAKnownObject) {
+TEST_P(ManyObjects, StayRightInAnUncertainWorld) {
   constexpr std::size_t kMany = 50;
-  for (const bool is_seen : {false, true}) {
-    OrbitScene scene(1, kMany, 0.05, 6e-4);
-    for (std::size_t j = 0; j < kMany; ++j) {
-      const auto row = static_cast<double>(j / 9), column = static_cast<double>(j % 9);
-      scene.truth[j] = testing::pose(0.3 * column, 0.2, 0.5 - row, 0.08 * (column - 4.0),
-                                     0.08 * (row - 3.0), 0.05);
+  const auto [rotation_deg, translation_m, has_prior, is_seen] = GetParam();
+  OrbitScene scene(1, kMany, 0.05, 6e-4);
+  for (std::size_t j = 0; j < kMany; ++j) {
+    const auto row = static_cast<double>(j / 9), column = static_cast<double>(j % 9);
+    scene.truth[j] = testing::pose(0.3 * column, 0.2, 0.5 - row, 0.08 * (column - 4.0),
+                                   0.08 * (row - 3.0), 0.05);
+  }
+  const Matrix6d narrow = 0.09 * testing::ray_noise().components().front().covariance;
+  const DetectorNoise noise({{.weight = 0.9, .covariance = narrow, .frame = NoiseFrame::ray}},
+                            {.weight = 0.1, .volume_m3 = 1.0});
+  MultiObjectFilter filter(
+      {scene.camera, about(scene.camera.translation(), rotation_deg, translation_m)},
+      std::vector<ObjectSensor>(kMany, {noise}), {});
+  const auto detect = [&](std::size_t j) {
+    const SE3d seen = scene.camera.inverse() * scene.truth[j];
+    const NoiseAtPose at = noise_at(noise.components().front(), seen);
+    return at.axes * SE3d::exp(draw(at.covariance, scene.stream)) * at.axes.inverse() * seen;
+  };
+  for (int k = 0; k < 20; ++k) {
+    filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+    if (k == 12 && has_prior) {
+      const SE3d& known = scene.truth[0];
+      filter.add_object({noise},
+                        ObjectPrior{{known, about(known.translation(), 0.5, 0.005)}, 0.95});
     }
-    const Matrix6d narrow = 0.09 * testing::ray_noise().components().front().covariance;
-    const DetectorNoise noise({{.weight = 0.9, .covariance = narrow, .frame = NoiseFrame::ray}},
-                              {.weight = 0.1, .volume_m3 = 1.0});
-    MultiObjectFilter filter({scene.camera, about(scene.camera.translation(), 90.0, 0.005)},
-                             std::vector<ObjectSensor>(kMany, {noise}), {});
-    const auto detect = [&](std::size_t j) {
-      const SE3d seen = scene.camera.inverse() * scene.truth[j];
-      const NoiseAtPose at = noise_at(noise.components().front(), seen);
-      return at.axes * SE3d::exp(draw(at.covariance, scene.stream)) * at.axes.inverse() * seen;
+    for (std::size_t j = 0; j < kMany; ++j) filter.update(j, detect(j));
+    if (is_seen && k >= 12) filter.update(kMany, detect(0));
+  }
+  const auto estimates = filter.leading_estimates();
+  double mean = 0.0;
+  for (std::size_t j = 0; j < kMany; ++j) {
+    ASSERT_TRUE(estimates[j]);
+    mean += nees_near(estimates[j]->relative, scene.camera.inverse() * scene.truth[j]) / kMany;
+  }
+  EXPECT_GT(mean, 0.5);
+  EXPECT_LT(mean, 2.0);
+  EXPECT_NO_THROW(
+      ConcentratedGaussian<PoseStackd>(filter.joint().mean(), filter.joint().covariance()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Starts, ManyObjects,
+                         ::testing::Values(Start{90.0, 0.005, true, false},
+                                           Start{90.0, 0.005, true, true},
+                                           Start{0.5, 3.0, true, true},
+                                           Start{5.0, 10.0, true, false},
+                                           Start{0.5, 20.0, false, false}));
+
+TEST(KnownObjectsFarAway, AreTakenWhereTheCameraCameBackTo) {
+  for (const double distance : {2e4, 1e5}) {
+    const OrbitScene scene(1, 1, 0.05, 6e-4);
+    MultiObjectFilter filter({SE3d(), isotropic(60.0, 0.005)},
+                             std::vector<ObjectSensor>(1, {testing::ray_noise()}), {});
+    const auto drive = [&](double metres) {
+      filter.predict_with_odometry(SE3d(SO3d(), {metres, 0.0, 0.0}), scene.q, 0.1);
     };
-    for (int k = 0; k < 20; ++k) {
-      filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
-      if (k == 12) {
-        const SE3d& known = scene.truth[0];
-        filter.add_object({noise},
-                          ObjectPrior{{known, about(known.translation(), 0.5, 0.005)}, 0.95});
-      }
-      for (std::size_t j = 0; j < kMany; ++j) filter.update(j, detect(j));
-      if (is_seen && k >= 12) filter.update(kMany, detect(0));
-    }
-    const auto estimates = filter.leading_estimates();
-    double mean = 0.0;
-    for (std::size_t j = 0; j < kMany; ++j) {
-      ASSERT_TRUE(estimates[j]);
-      mean += nees_near(estimates[j]->relative, scene.camera.inverse() * scene.truth[j]) / kMany;
-    }
-    EXPECT_GT(mean, 0.5) << is_seen;
-    EXPECT_LT(mean, 2.0) << is_seen;
+    drive(distance);
+    filter.update(0, testing::pose(0.2, 0.1, 0.0, 0.1, 0.1, 0.9));
+    drive(-distance);
+    const SE3d before(SO3d(), {0.0, 0.0, 1.0});
     EXPECT_NO_THROW(
-        ConcentratedGaussian<PoseStackd>(filter.joint().mean(), filter.joint().covariance()));
+        filter.add_object({testing::ray_noise()},
+                          ObjectPrior{{before, about(before.translation(), 60.0, 0.02)}, 0.9}))
+        << distance;
   }
 }
 

@@ -14,10 +14,25 @@ using testing::isotropic;
 using testing::kR;
 using testing::kStart;
 
+/// The camera goes on by odometry, in five frames, and sees nothing.
+void drive_away(Sequence& sequence, double distance) {
+  for (int k = 1; k <= 5; ++k) {
+    const SE3d step(SO3d(), {0.2 * distance, 0.0, 0.0});
+    sequence.stamps.push_back(sequence.stamps.back() + 0.1);
+    sequence.odometry.emplace_back(*sequence.odometry.back() * step);
+    sequence.camera_truth.emplace_back(*sequence.camera_truth.back() * step);
+    for (ObjectRecording& object : sequence.objects) {
+      object.detections.emplace_back();
+      object.world_truth.push_back(object.world_truth.back());
+    }
+  }
+}
+
 /// Two objects before a camera in a world whose origin is elsewhere, smoothed by the default
 /// filter.
-SlamRun smoothed_at(const SE3d& world, std::size_t lag, MotionModel model) {
+SlamRun smoothed_at(const SE3d& world, std::size_t lag, MotionModel model, double drive_m = 0.0) {
   Sequence sequence = testing::drawn_sequence(3, 2);
+  if (drive_m > 0.0) drive_away(sequence, drive_m);
   ObjectSlamSettings settings = testing::plain_slam_settings();
   settings.tracker = MultiObjectSlamSettings{};
   settings.motion.model = model;
@@ -67,6 +82,21 @@ TEST(SmoothingFarAway, IsWhatItIsNearTheOrigin) {
                         tolerance);
           }
         }
+      }
+    }
+  }
+}
+
+TEST(SmoothingFarAway, OfWhatWasSeenStaysWhenTheCameraDrivesAway) {
+  const SlamRun near = smoothed_at(SE3d(), 0, MotionModel::odometry, 0.01);
+  for (const double distance : {100.0, 2e3, 1e5}) {
+    const SlamRun far = smoothed_at(SE3d(), 0, MotionModel::odometry, distance);
+    for (std::size_t k = 0; k + 5 < near.frames.size(); ++k) {
+      for (std::size_t j = 0; j < 2; ++j) {
+        const auto& a = near.frames[k].relative[j];
+        const auto& b = far.frames[k].relative[j];
+        ASSERT_EQ(a.has_value(), b.has_value());
+        if (a) expect_same(*a, b->mean(), b->covariance(), 1e-4);
       }
     }
   }

@@ -14,6 +14,10 @@
 /// frames more (docs/filter.md, smoothing).
 namespace posemix {
 
+namespace internal {
+class SmoothingWindow;
+}  // namespace internal
+
 /// Settings of smoothing.
 struct SmoothingSettings {
   /// Frames that an estimate looks ahead; 0: all, to the end of the recording.
@@ -70,6 +74,9 @@ class FixedLagSmoother {
     std::optional<MultiObjectFilter> after;
   };
 
+  SE3d scene() const;
+  std::vector<std::size_t> reported_poses(const internal::SmoothingWindow& window,
+                                          std::size_t frame) const;
   std::vector<FrameEstimate> smooth(std::size_t count);
   void add_alternatives(std::span<const SmootherFrame* const> frames,
                         const std::vector<JointState>& leading,

@@ -176,6 +176,11 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   return report;
 }
 
+ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const SE3d& camera_object) {
+  of_a_pose_.components.front().pose = camera_object;
+  return update(j, of_a_pose_, {});
+}
+
 void GlobalHypotheses::forget(std::size_t j) {
   for (Weighted& one : list_) one.state.forget(j);
   reduce();

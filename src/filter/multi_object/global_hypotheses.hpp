@@ -48,6 +48,9 @@ class GlobalHypotheses {
   /// of the caller.
   Eigen::Vector3d origin_for(const SE3d& camera) const;
   void move_origin_to(const Eigen::Vector3d& origin);
+  /// The world of the states gets its origin at the camera where that is far from it. Reports are
+  /// made anew.
+  void stay_near_the_origin();
   /// The mixture of all states as one: the first state, with the hypotheses of the others. It is
   /// made when it is first asked for, which threads may do at the same time.
   const MultiObjectState& summary() const;
@@ -68,6 +71,8 @@ class GlobalHypotheses {
   /// One observation of object `j`.
   ObjectUpdateReport update(std::size_t j, const Observation& observation,
                             const ObservationSource& source);
+  /// The same of a pose alone.
+  ObjectUpdateReport update(std::size_t j, const SE3d& camera_object);
   void forget(std::size_t j);
 
   /// The camera's density in the world of the caller, a component for each state.
@@ -94,9 +99,6 @@ class GlobalHypotheses {
   std::vector<bool> objects_kept(std::size_t j) const;
   /// All states get the base of the first one, and the same active objects.
   void rebase(const std::vector<bool>& kept);
-  /// The world of the states gets its origin at the camera where that is far from it. Reports are
-  /// made anew.
-  void stay_near_the_origin();
   void reset_reports();
   void split(std::size_t j, KeptVector<ObservedDetection>& observed, const Starters& may_start);
   /// States whose camera would be in several places, by components of the observation, are split by
@@ -126,6 +128,8 @@ class GlobalHypotheses {
   mutable std::mutex mutex_;
   mutable std::optional<MultiObjectState> summary_;                ///< where it was asked for
   mutable std::optional<ConcentratedGaussian<PoseStackd>> joint_;  ///< the same
+  /// For poses alone, so that no frame asks the heap for one.
+  Observation of_a_pose_ = observation_of(SE3d());
 };
 
 }  // namespace posemix::internal

@@ -139,12 +139,16 @@ void JointGaussian::set_rows(std::size_t index, const SE3d& pose,
   covariance_.block(at, at, n, n) = own.topLeftCorner(n, n);
 }
 
-void JointGaussian::transform(std::size_t index, const MatrixXd& f) {
+void JointGaussian::transform(std::size_t index, const Eigen::Ref<const MatrixXd>& f) {
   activate(index);
   auto own_rows = covariance_.middleRows(first(index), dof(index));
-  own_rows = (f * own_rows).eval();
+  KeptMatrix<> new_rows(dof(index), covariance_.cols());
+  new_rows.get().noalias() = f * own_rows;
+  own_rows = new_rows.get();
   auto own_columns = covariance_.middleCols(first(index), dof(index));
-  own_columns = (own_columns * f.transpose()).eval();
+  KeptMatrix<> new_columns(covariance_.rows(), dof(index));
+  new_columns.get().noalias() = own_columns * f.transpose();
+  own_columns = new_columns.get();
   symmetrize(covariance_);
 }
 

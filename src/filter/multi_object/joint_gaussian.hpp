@@ -115,7 +115,7 @@ class JointGaussian {
   void set_rows(std::size_t index, const SE3d& pose, const std::optional<Vector6d>& slow,
                 const Eigen::Ref<const Eigen::MatrixXd>& rows, const Matrix12d& own);
   /// x <- F x for the coordinates x of the object at `index`, with F of 6 or 12 rows.
-  void transform(std::size_t index, const Eigen::MatrixXd& f);
+  void transform(std::size_t index, const Eigen::Ref<const Eigen::MatrixXd>& f);
   /// Moves the object at `index` and its slow error by [xi_O; b].
   void move_object(std::size_t index, const Vector12d& by);
   /// Multiplies the slow error of the object at `index` by `factor` and adds `q` to its covariance.

@@ -100,10 +100,7 @@ void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camer
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const SE3d& camera_object) {
   require_object(object, object_count());
   check_pose(camera_object, "detection");
-  // Of this thread, so that its memory stays.
-  static thread_local Observation one = observation_of(SE3d());
-  one.components.front().pose = camera_object;
-  return hypotheses_of_all().update(object, one, {});
+  return hypotheses_of_all().update(object, camera_object);
 }
 
 ObjectUpdateReport MultiObjectFilter::update(std::size_t object, const Observation& observation,
@@ -144,6 +141,7 @@ std::size_t MultiObjectFilter::add_object(ObjectSensor object,
   std::optional<ObjectPrior> near = prior;
   if (prior) {
     check_density(prior->world, "the prior");
+    hypotheses_of_all().stay_near_the_origin();
     near->world = hypotheses_of_all().to_world().inverse()(prior->world);
     require_precision(seen_from_near(prior->world).covariance(), object, "the prior");
     require_precise_here(near->world, "the prior");

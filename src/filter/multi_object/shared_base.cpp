@@ -10,11 +10,25 @@
 namespace posemix::internal {
 namespace {
 
-/// Variance of the camera's rotation in the world, (20 deg)^2, beyond which nothing becomes passive
-/// [rad^2]: what objects have apart from it would be lost in it. With the error of the world kept
-/// beside the joint Gaussian there is none, but between a prior or a camera that is given and what
-/// is learned of the world by it.
-constexpr double kUncertainWorld = 0.122;
+/// Variances of the error that camera and objects have in common, (20 deg)^2 and (0.6 m)^2, beyond
+/// which nothing becomes passive: what objects have apart from it would be lost in it. The error of
+/// the world is kept beside the joint Gaussian, but for a hundredth, and between a prior or a
+/// camera that is given and what is learned of the world by it.
+constexpr double kUncertainRotation = 0.122;  // [rad^2]
+constexpr double kUncertainPosition = 0.36;   // [m^2]
+
+/// Whether the camera has so large an error in common with every object that was seen, at its
+/// place. That of a camera that has lost its way is no error of those that it saw before.
+bool is_world_uncertain(const MultiObjectState& state) {
+  const WorldShift to_camera(-state.joint.pose(kCamera).translation());
+  return std::all_of(state.objects.begin(), state.objects.end(), [&](const TrackedObject& object) {
+    const auto index = object.belief.pose_index();
+    if (!index || object.last_update == 0) return true;
+    const Matrix6d common = to_camera(state.joint.covariance(*index, kCamera));
+    return common.diagonal().head<3>().maxCoeff() > kUncertainRotation ||
+           common.diagonal().tail<3>().maxCoeff() > kUncertainPosition;
+  });
+}
 
 /// Whether the same hypothesis of an object leads, or none, in both.
 bool led_alike(const ObjectBelief& a, const ObjectBelief& b) {
@@ -27,12 +41,13 @@ bool led_alike(const ObjectBelief& a, const ObjectBelief& b) {
 std::vector<bool> GlobalHypotheses::objects_kept(std::size_t j) const {
   const MultiObjectState& first = list_.front().state;
   const ActiveLimits& limits = first.limits;
-  if (first.joint.covariance(kCamera, kCamera).diagonal().head<3>().maxCoeff() > kUncertainWorld)
-    return {};
-  if (std::all_of(list_.begin(), list_.end(), [&](const Weighted& one) {
-        const JointGaussian& joint = one.state.joint;
-        return joint.active() <= (joint.active() == joint.size() ? limits.dense : limits.most);
-      }))
+  if (std::all_of(list_.begin(), list_.end(),
+                  [&](const Weighted& one) {
+                    const JointGaussian& joint = one.state.joint;
+                    return joint.active() <=
+                           (joint.active() == joint.size() ? limits.dense : limits.most);
+                  }) ||
+      is_world_uncertain(first))
     return {};
   std::vector<std::size_t> order(first.objects.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -250,8 +250,9 @@ template <>
 struct StateFields<GlobalHypotheses> {
   static GlobalHypotheses blank() { return GlobalHypotheses(blank_state<MultiObjectState>()); }
   static auto tie(auto& x) {
-    auto& [list, origin, mutex, summary, joint] = x;
+    auto& [list, origin, mutex, summary, joint, of_a_pose] = x;
     // The others are made from the list when they are asked for.
+    static_cast<void>(of_a_pose);
     static_cast<void>(mutex);
     static_cast<void>(summary);
     static_cast<void>(joint);
