@@ -122,6 +122,9 @@ void check_options(const CLI::App& command, const ConsistencyOptions& options) {
                          NamedResult{"--report", options.report}};
   require_different_files(files);
   require_beside_folder(files, {"--out", options.out}, internal::is_consistency_name);
+  // A report may be the folder's own; what else has its name would be removed by the next run.
+  require_beside_folder(std::span(files).first(2), {"--out", options.out},
+                        internal::is_report_name);
   if (input.data && !(input.truth && is_sequence_file(*input.truth)))
     throw CLI::ValidationError("--data", "is for --truth with a sequence file");
   if (!is_slam_result(input.estimate)) return;

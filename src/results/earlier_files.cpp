@@ -69,9 +69,11 @@ bool internal::is_run_name(std::string_view name) {
          std::any_of(kObjectNames.begin(), kObjectNames.end(), fits);
 }
 
+bool internal::is_report_name(std::string_view name) { return name == kReportName; }
+
 bool internal::is_consistency_name(std::string_view name) {
-  return name != kReportName && std::find(kConsistencyNames.begin(), kConsistencyNames.end(),
-                                          name) != kConsistencyNames.end();
+  return !is_report_name(name) && std::find(kConsistencyNames.begin(), kConsistencyNames.end(),
+                                            name) != kConsistencyNames.end();
 }
 
 std::vector<fs::path> earlier_results(const fs::path& folder) {

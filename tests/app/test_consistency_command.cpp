@@ -212,6 +212,9 @@ TEST_F(ConsistencyCommand, OneResultOnTheStandardOutput) {
   expect_error("mkdir out && " + compare + "--svg out/../out/consistency.svg --out out", 2,
                "--svg: out/../out/consistency.svg is a result in the folder of --out");
   expect_error(compare + "--json out --out out", 2, "--json: is the folder of --out");
+  expect_error(compare + "--json out/report.html --out out", 2,
+               "--json: out/report.html is a result in the folder of --out");
+  EXPECT_EQ(shell(compare + "--report out/report.html --out out").exit_code, 0);
   EXPECT_EQ(shell(compare + "--json /dev/null --svg /dev/null").exit_code, 0);
   EXPECT_EQ(shell(compare + "--json out/mine.json --out out").exit_code, 0);
 }
