@@ -7,6 +7,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "mean_rotation.hpp"
+
 namespace posemix::internal {
 namespace {
 
@@ -73,11 +75,8 @@ ProjectedMoments FarTangent::moments() const {
   }
   found.mean = axes_ * found.mean;
   found.second_moment = axes_ * found.second_moment * axes_.transpose();
-  const Eigen::Vector3d v = axes_ * first_of_third;
-  Eigen::Matrix3d cross;
-  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  found.rotation = 2.0 * (axes_ * second_of_third * axes_.transpose() + cross);
-  found.rotation.diagonal().array() += third - second_of_third.trace();
+  found.rotation =
+      mean_rotation(third, axes_ * first_of_third, axes_ * second_of_third * axes_.transpose());
   return found;
 }
 

@@ -10,6 +10,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "far_tangent.hpp"
+#include "mean_rotation.hpp"
 #include "posemix/base/linear.hpp"
 
 namespace posemix {
@@ -125,16 +126,11 @@ ProjectedMoments projected_moments(const Eigen::Vector3d& mean, const Eigen::Mat
   const double c = integrand.value.sum();
   const RawMoments moments(integrand, integrand.value / c, mean, covariance);
 
-  // R(u) = ((1 - u.u) I + 2 u u^T + 2 [u]x) / (1 + u.u): one more factor 1 / (1 + u.u), for which
-  // (1 + x)^-3 = int_0^inf s^2 / 2 exp(-s (1 + x)) ds.
+  // One more factor 1 / (1 + u.u), for which (1 + x)^-3 = int_0^inf s^2 / 2 exp(-s (1 + x)) ds.
   const Nodes third = integrand.value * rule().s / (2.0 * c);
   const RawMoments of_third(integrand, third, mean, covariance);
-  Eigen::Matrix3d rotation = 2.0 * of_third.second;
-  rotation.diagonal().array() += third.sum() - of_third.second.trace();
-  const Eigen::Vector3d& v = of_third.first;
-  Eigen::Matrix3d cross;
-  cross << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-  return {std::log(c), moments.first, moments.second, rotation + 2.0 * cross};
+  return {std::log(c), moments.first, moments.second,
+          internal::mean_rotation(third.sum(), of_third.first, of_third.second)};
 }
 
 namespace {

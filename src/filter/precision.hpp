@@ -60,26 +60,16 @@ inline bool is_precise(const ConcentratedGaussian<SE3d>& pose) {
 }
 
 /// @throws InvalidInput when rounding leaves nothing of the errors of a pose that is far from the
-/// origin of the world. `name` begins the message.
-inline void require_precise(const ConcentratedGaussian<SE3d>& pose, std::string_view name) {
+/// origin, which is `origin`. `name` begins the message, `expected` ends it.
+inline void require_precise(const ConcentratedGaussian<SE3d>& pose, std::string_view name,
+                            std::string_view origin = "the origin of the world",
+                            std::string_view expected = "a world whose origin is near the scene") {
   if (is_precise(pose)) return;
   throw InvalidInput(fmt::format(
-      "{} is {:.3g} km from the origin of the world, where double precision holds no covariance of "
-      "it that has a standard deviation of {:.3g} m; expected a world whose origin is near the "
-      "scene",
-      name, pose.mean().translation().norm() / 1000.0,
-      std::sqrt(pose.covariance().diagonal().tail<3>().maxCoeff())));
-}
-
-/// The same of a pose in the world of a filter, whose origin is near the camera.
-inline void require_precise_here(const ConcentratedGaussian<SE3d>& pose, std::string_view name) {
-  if (is_precise(pose)) return;
-  throw InvalidInput(fmt::format(
-      "{} is {:.3g} km from the camera, from where its rotation moves it by {:.3g} m (standard "
-      "deviation), beside which double precision does not hold its own error; expected one that "
-      "is nearer, or a rotation that is more certain",
-      name, pose.mean().translation().norm() / 1000.0,
-      std::sqrt(pose.covariance().diagonal().tail<3>().maxCoeff())));
+      "{} is {:.3g} km from {}, where double precision holds no covariance of it that has a "
+      "standard deviation of {:.3g} m; expected {}",
+      name, pose.mean().translation().norm() / 1000.0, origin,
+      std::sqrt(pose.covariance().diagonal().tail<3>().maxCoeff()), expected));
 }
 
 }  // namespace posemix::internal

@@ -36,15 +36,18 @@ bool is_semidefinite(const Matrix6d& covariance) {
 
 }  // namespace
 
+bool is_valid_pose(const SE3d& pose) {
+  return pose.translation().allFinite() && pose.rotation().quaternion().coeffs().allFinite() &&
+         pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition;
+}
+
 void check_pose(const SE3d& pose, std::string_view name) {
+  if (is_valid_pose(pose)) return;
   const Eigen::Vector3d& position = pose.translation();
   if (!position.allFinite() || !pose.rotation().quaternion().coeffs().allFinite())
     throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
-  const double farthest = position.cwiseAbs().maxCoeff();
-  if (farthest > kFarthestPosition) {
-    throw InvalidInput(fmt::format("{} has a position of {:g} m, expected at most {:g} m", name,
-                                   farthest, kFarthestPosition));
-  }
+  throw InvalidInput(fmt::format("{} has a position of {:g} m, expected at most {:g} m", name,
+                                 position.cwiseAbs().maxCoeff(), kFarthestPosition));
 }
 
 void check_variances(const Matrix6d& covariance, std::string_view name) {

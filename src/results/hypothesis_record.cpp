@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "hypothesis_texts.hpp"
-#include "readable_run.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 namespace internal {
@@ -53,7 +53,7 @@ Json joint_hypotheses_json(const FrameEstimate& frame, std::size_t most) {
 
 Json alternatives_json(std::vector<ObjectAlternative> list, std::size_t most) {
   // An object is nowhere near such a place, as that of a detection that went astray.
-  std::erase_if(list, [](const auto& one) { return !is_readable(one.pose); });
+  std::erase_if(list, [](const auto& one) { return !is_valid_pose(one.pose); });
   std::stable_sort(list.begin(), list.end(),
                    [](const auto& a, const auto& b) { return a.probability > b.probability; });
   if (list.size() > most) list.resize(most);

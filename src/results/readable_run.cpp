@@ -10,6 +10,7 @@
 #include "draw/position_covariance.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/limits.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -18,7 +19,7 @@ namespace {
 std::string estimate_fault(const PoseDensity& density) {
   const SE3d& pose = density.mean();
   if (!pose.log().allFinite() || !density.covariance().allFinite()) return "is not finite";
-  if (!is_readable(pose)) return fmt::format("has a position beyond {:g} m", kFarthestPosition);
+  if (!is_valid_pose(pose)) return fmt::format("has a position beyond {:g} m", kFarthestPosition);
   if (density.covariance().diagonal().minCoeff() < 0.0 ||
       position_covariance(density).diagonal().minCoeff() < 0.0)
     return "has a variance that is lost to rounding";
@@ -26,11 +27,6 @@ std::string estimate_fault(const PoseDensity& density) {
 }
 
 }  // namespace
-
-bool is_readable(const SE3d& pose) {
-  return pose.rotation().quaternion().coeffs().allFinite() && pose.translation().allFinite() &&
-         pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition;
-}
 
 void require_readable(const SlamJob& job, const SlamRun& run) {
   for (std::size_t k = 0; k < run.frames.size(); ++k) {

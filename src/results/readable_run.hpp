@@ -12,7 +12,4 @@ namespace posemix::internal {
 /// @throws InvalidInput naming the first stamp and the pose
 void require_readable(const SlamJob& job, const SlamRun& run);
 
-/// Whether a reader takes a pose of this place.
-bool is_readable(const SE3d& pose);
-
 }  // namespace posemix::internal

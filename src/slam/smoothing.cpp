@@ -9,6 +9,7 @@
 
 #include "posemix/base/limits.hpp"
 #include "posemix/base/stopwatch.hpp"
+#include "posemix/lie/pose_checks.hpp"
 #include "slam/frames.hpp"
 #include "slam/motion.hpp"
 #include "slam/smoothing_moving.hpp"
@@ -43,10 +44,8 @@ void require_no_candidates(bool has_none) {
 bool is_sound(const JointState& joint, const std::vector<std::size_t>& poses) {
   constexpr double kRounding = 1e-12;
   return std::all_of(poses.begin(), poses.end(), [&](std::size_t i) {
-    const SE3d& pose = joint.poses[i];
     const Matrix6d own = block(joint.covariance, i, i);
-    return pose.rotation().quaternion().coeffs().allFinite() && pose.translation().allFinite() &&
-           pose.translation().cwiseAbs().maxCoeff() <= kFarthestPosition && own.allFinite() &&
+    return is_valid_pose(joint.poses[i]) && own.allFinite() &&
            own.diagonal().minCoeff() >= -kRounding;
   });
 }
@@ -130,16 +129,18 @@ std::vector<std::size_t> FixedLagSmoother::reported_poses(const internal::Smooth
   return poses;
 }
 
-/// The first `count` frames of the window, smoothed.
-std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
-  const Stopwatch stopwatch;
-  const MultiObjectFilter& now = *slam_.multi_object();
-  std::vector<const SmootherFrame*> inputs;
-  inputs.reserve(window_.size());
-  for (const Frame& frame : window_) inputs.push_back(&frame.taken);
-  const SmoothingWindow window(before_, now, motion_, scene(), leading_modes(now));
-  SmoothedModes smoothed = window.smooth(inputs, smoothing_.passes);
-  const std::vector<JointState>& joint = smoothed.states;
+void FixedLagSmoother::require_near(const internal::SmoothingWindow& window) const {
+  if (const auto object = smoothing_.passes > 1 ? window.too_far() : std::nullopt) {
+    throw InvalidInput(
+        fmt::format("smoothing: object '{}' is so far from where the camera begins that double "
+                    "precision does not hold what its detector sees, expected a shorter way, a "
+                    "lag of a few frames, or a run that is not smoothed",
+                    (*ids_)[*object]));
+  }
+}
+
+void FixedLagSmoother::require_sound(const internal::SmoothingWindow& window,
+                                     const std::vector<JointState>& joint) const {
   for (std::size_t k = 0; k < joint.size(); ++k) {
     if (is_sound(joint[k], reported_poses(window, k))) continue;
     throw InvalidInput(
@@ -148,6 +149,20 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
                     "gaps and ways and detections near by, or a run that is not smoothed",
                     k + 1, joint.size()));
   }
+}
+
+/// The first `count` frames of the window, smoothed.
+std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
+  const Stopwatch stopwatch;
+  const MultiObjectFilter& now = *slam_.multi_object();
+  std::vector<const SmootherFrame*> inputs;
+  inputs.reserve(window_.size());
+  for (const Frame& frame : window_) inputs.push_back(&frame.taken);
+  const SmoothingWindow window(before_, now, motion_, scene(), leading_modes(now));
+  require_near(window);
+  SmoothedModes smoothed = window.smooth(inputs, smoothing_.passes);
+  const std::vector<JointState>& joint = smoothed.states;
+  require_sound(window, joint);
   camera_lags_ = std::move(smoothed.camera_lags);
 
   std::vector<FrameEstimate> estimates;
@@ -185,6 +200,7 @@ void FixedLagSmoother::add_alternatives(std::span<const SmootherFrame* const> in
       if (!leads && list[h].probability < smoothing_.least_probability) continue;
       modes[j] = h;
       const SmoothingWindow window(before_, now, motion_, scene(), modes);
+      if (window.too_far()) continue;
       const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes).states;
       bool is_lost = false;
       for (std::size_t k = 0; k < joint.size(); ++k)

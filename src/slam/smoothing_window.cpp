@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "filter/precision.hpp"
 #include "posemix/filter/predict.hpp"
 #include "posemix/lie/pose_blocks.hpp"
 
@@ -96,6 +97,22 @@ Hypothesis SmoothingWindow::reported(const JointState& joint) const {
     block(covariance, pose, pose) += now_.unseen_covariance(object, joint.poses[pose]);
   }
   return Hypothesis::trusted(joint.poses, std::move(covariance));
+}
+
+std::optional<std::size_t> SmoothingWindow::too_far() const {
+  // The passes have inverses of covariances: a tenth of what a filter holds.
+  constexpr double kLargestRatio = 0.1 * kLargestVarianceRatio;
+  const Modes known = known_before();
+  for (std::size_t i = 0; i < model_.objects.size(); ++i) {
+    if (known[model_.objects[i]]) continue;
+    const Matrix6d there = shift_near(hypotheses_[i].pose)(vague_covariance());
+    for (const NoiseComponent& component : model_.sensors[i]->noise.components()) {
+      if (there.diagonal().tail<3>().maxCoeff() >
+          kLargestRatio * component.covariance.diagonal().tail<3>().minCoeff())
+        return model_.objects[i];
+    }
+  }
+  return std::nullopt;
 }
 
 /// The same hypotheses as they were before the window, where they were.

@@ -40,6 +40,10 @@ class SmoothingWindow {
   /// The density of the poses as it is reported, see MultiObjectFilter::unseen_covariance.
   Hypothesis reported(const JointState& joint) const;
 
+  /// An object that the filter did not have, so far from the first camera that in the passes after
+  /// the first one its errors would be lost beside what is not known of it.
+  std::optional<std::size_t> too_far() const;
+
   /// Of the object's pose in what is smoothed.
   std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
 

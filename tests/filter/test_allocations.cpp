@@ -143,6 +143,10 @@ void by_constant_velocity(MultiObjectFilter& filter, int /*frame*/) {
                                    0.1);
 }
 
+void by_given_camera(MultiObjectFilter& filter, int /*frame*/) {
+  filter.set_camera({SE3d(), step_noise()}, 0.1);
+}
+
 class Allocations : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -171,8 +175,8 @@ TEST_F(Allocations, NoneWhereEveryObjectHasOneMode) {
 
 TEST_F(Allocations, NoneByTheNoiseThatNothingIsToldOf) {
   for (const std::size_t objects : {1, 5, 10}) {
-    for (const Frame& predict :
-         {Frame(by_odometry), Frame(by_random_walk), Frame(by_constant_velocity)}) {
+    for (const Frame& predict : {Frame(by_odometry), Frame(by_random_walk),
+                                 Frame(by_constant_velocity), Frame(by_given_camera)}) {
       Scene scene(objects, 1);
       MultiObjectFilter filter = filter_with(scene, {default_detector_noise()});
       EXPECT_EQ(allocations_of(filter, scene, predict), 0) << objects;

@@ -4,8 +4,11 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/state_writer.hpp"
+#include "filter/multi_object/state_fields.hpp"
 #include "multi_object_scene.hpp"
 
 /// Objects that are far from the camera, which has driven away or is given elsewhere: nothing of
@@ -140,6 +143,28 @@ TEST(KnownObjectsFarAway, AreRefusedForTheirOwnErrorsAndNotForWhereTheCameraIs) 
     EXPECT_NE(std::string(error.what()).find("the prior is 1e+03 km from the camera"),
               std::string::npos)
         << error.what();
+  }
+}
+
+/// Every bit of a saved state.
+std::string bits_of(const MultiObjectFilter& filter) {
+  internal::StateWriter writer;
+  writer(filter);
+  return std::move(writer).take();
+}
+
+TEST(KnownObjectsFarAway, ThatAreRefusedLeaveEveryBit) {
+  const OrbitScene scene(1, 1, 0.05, 6e-4);
+  MultiObjectFilter filter({SE3d(), isotropic(0.5, 0.005)},
+                           std::vector<ObjectSensor>(1, {testing::ray_noise()}), {});
+  filter.update(0, testing::pose(0.2, 0.1, 0.0, 0.1, 0.1, 0.9));
+  filter.predict_with_odometry(SE3d(SO3d(), {1e6, 0.0, 0.0}), scene.q, 0.1);
+  const std::string before = bits_of(filter);
+  const ObjectPrior turned{{SE3d(), isotropic(104.0, 0.005)}, 0.9};
+  const ObjectPrior unlikely{{SE3d(), isotropic(0.5, 0.005)}, 1.5};
+  for (const ObjectPrior& prior : {turned, unlikely}) {
+    EXPECT_THROW(filter.add_object({testing::ray_noise()}, prior), InvalidInput);
+    EXPECT_EQ(bits_of(filter), before);
   }
 }
 

@@ -27,7 +27,11 @@ TEST(PoseChecks, APoseIsFiniteAndNotTooFar) {
                 check_pose(SE3d(SO3d(), {0.0, value, 0.0}), "it");
               }),
               "it holds a value that is not finite");
+    for (int i = 0; i < 3; ++i)
+      EXPECT_FALSE(is_valid_pose(SE3d(SO3d(), value * Eigen::Vector3d::Unit(i)))) << i << value;
   }
+  EXPECT_TRUE(is_valid_pose(SE3d(SO3d(), {1e8, -1e8, 0.0})));
+  EXPECT_FALSE(is_valid_pose(SE3d(SO3d(), {0.0, -1.1e8, 0.0})));
 }
 
 TEST(PoseChecks, VariancesHaveABound) {

@@ -2,9 +2,12 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "posemix/slam/smoothing.hpp"
+#include "posemix/testing/expect.hpp"
 #include "smoothing_scene.hpp"
 
 namespace posemix {
@@ -14,8 +17,10 @@ using testing::isotropic;
 using testing::kR;
 using testing::kStart;
 
-/// The camera goes on by odometry, in five frames, and sees nothing.
-void drive_away(Sequence& sequence, double distance) {
+/// The camera goes on by odometry, in five frames, and sees nothing, or the second object, which
+/// was not seen before, beside it.
+void drive_away(Sequence& sequence, double distance, bool sees_another = false) {
+  if (sees_another) std::ranges::fill(sequence.objects[1].detections, std::nullopt);
   for (int k = 1; k <= 5; ++k) {
     const SE3d step(SO3d(), {0.2 * distance, 0.0, 0.0});
     sequence.stamps.push_back(sequence.stamps.back() + 0.1);
@@ -26,13 +31,15 @@ void drive_away(Sequence& sequence, double distance) {
       object.world_truth.push_back(object.world_truth.back());
     }
   }
+  if (sees_another) sequence.objects[1].detections.back() = testing::pose(0, 0, 0, 0, 0, 0.5);
 }
 
 /// Two objects before a camera in a world whose origin is elsewhere, smoothed by the default
 /// filter.
-SlamRun smoothed_at(const SE3d& world, std::size_t lag, MotionModel model, double drive_m = 0.0) {
+SlamRun smoothed_at(const SE3d& world, std::size_t lag, MotionModel model, double drive_m = 0.0,
+                    bool sees_another = false) {
   Sequence sequence = testing::drawn_sequence(3, 2);
-  if (drive_m > 0.0) drive_away(sequence, drive_m);
+  if (drive_m > 0.0) drive_away(sequence, drive_m, sees_another);
   ObjectSlamSettings settings = testing::plain_slam_settings();
   settings.tracker = MultiObjectSlamSettings{};
   settings.motion.model = model;
@@ -99,6 +106,22 @@ TEST(SmoothingFarAway, OfWhatWasSeenStaysWhenTheCameraDrivesAway) {
         if (a) expect_same(*a, b->mean(), b->covariance(), 1e-4);
       }
     }
+  }
+}
+
+/// Beside what is not known of an object so far away, what its detector sees would be lost.
+TEST(SmoothingFarAway, ObjectsThatAreTooFarFromTheFirstCameraAreRefused) {
+  const auto smoothed = [](std::size_t lag, double distance) {
+    return smoothed_at(SE3d(), lag, MotionModel::odometry, distance, true);
+  };
+  EXPECT_NO_THROW(smoothed(0, 500.0));
+  EXPECT_NO_THROW(smoothed(1, 3e3));
+  for (const double distance : {2e3, 3e3, 1e4}) {
+    EXPECT_EQ(posemix::testing::thrown_message([&] { smoothed(0, distance); }),
+              "smoothing: object '1' is so far from where the camera begins that double precision "
+              "does not hold what its detector sees, expected a shorter way, a lag of a few "
+              "frames, or a run that is not smoothed")
+        << distance;
   }
 }
 

@@ -12,7 +12,10 @@
 /// begins the message of an error.
 namespace posemix {
 
-/// @throws InvalidInput when the pose is not finite, or a coordinate is beyond kFarthestPosition
+/// Whether the pose is finite, and no coordinate beyond kFarthestPosition.
+bool is_valid_pose(const SE3d& pose);
+
+/// @throws InvalidInput unless is_valid_pose()
 void check_pose(const SE3d& pose, std::string_view name);
 
 /// @throws InvalidInput when an entry is not finite, or a variance beyond kLargestVariance

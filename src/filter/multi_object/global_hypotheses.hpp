@@ -47,10 +47,9 @@ class GlobalHypotheses {
   /// The origin that the world of the states should have for a camera of this pose, in the world
   /// of the caller.
   Eigen::Vector3d origin_for(const SE3d& camera) const;
+  /// The same for the camera as it is.
+  Eigen::Vector3d origin_for_camera() const;
   void move_origin_to(const Eigen::Vector3d& origin);
-  /// The world of the states gets its origin at the camera where that is far from it. Reports are
-  /// made anew.
-  void stay_near_the_origin();
   /// The mixture of all states as one: the first state, with the hypotheses of the others. It is
   /// made when it is first asked for, which threads may do at the same time.
   const MultiObjectState& summary() const;
@@ -99,6 +98,9 @@ class GlobalHypotheses {
   std::vector<bool> objects_kept(std::size_t j) const;
   /// All states get the base of the first one, and the same active objects.
   void rebase(const std::vector<bool>& kept);
+  /// The world of the states gets its origin at the camera where that is far from it. Reports are
+  /// made anew.
+  void stay_near_the_origin();
   void reset_reports();
   void split(std::size_t j, KeptVector<ObservedDetection>& observed, const Starters& may_start);
   /// States whose camera would be in several places, by components of the observation, are split by

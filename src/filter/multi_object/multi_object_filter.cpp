@@ -139,18 +139,20 @@ std::size_t MultiObjectFilter::add_object(ObjectSensor object,
                                           const std::optional<ObjectPrior>& prior,
                                           const std::optional<PutDownMotion>& motion) {
   std::optional<ObjectPrior> near = prior;
+  const Eigen::Vector3d origin = hypotheses_of_all().origin_for_camera();
   if (prior) {
     check_density(prior->world, "the prior");
-    hypotheses_of_all().stay_near_the_origin();
-    near->world = hypotheses_of_all().to_world().inverse()(prior->world);
+    near->world = WorldShift(-origin)(prior->world);
     require_precision(seen_from_near(prior->world).covariance(), object, "the prior");
-    require_precise_here(near->world, "the prior");
+    require_precise(near->world, "the prior", "the camera",
+                    "one that is nearer, or whose rotation is more certain");
     if (!(prior->probability > 0.0 && prior->probability <= 1.0)) {
       throw InvalidInput(fmt::format("the prior has the probability {}, expected one in (0, 1]",
                                      prior->probability));
     }
   }
   if (motion) validate(*motion);
+  hypotheses_of_all().move_origin_to(origin);
   hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, near, motion); });
   return object_count() - 1;
 }

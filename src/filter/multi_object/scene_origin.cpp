@@ -100,6 +100,10 @@ Eigen::Vector3d GlobalHypotheses::origin_for(const SE3d& camera) const {
   return origin_near(camera.translation(), origin_);
 }
 
+Eigen::Vector3d GlobalHypotheses::origin_for_camera() const {
+  return origin_for(to_world()(first().joint.pose(kCamera)));
+}
+
 void GlobalHypotheses::move_origin_to(const Eigen::Vector3d& origin) {
   if (origin == origin_) return;
   const WorldShift shift(origin_ - origin);
@@ -112,7 +116,7 @@ void GlobalHypotheses::move_origin_to(const Eigen::Vector3d& origin) {
 
 void GlobalHypotheses::stay_near_the_origin() {
   reset_reports();
-  move_origin_to(origin_for(to_world()(first().joint.pose(kCamera))));
+  move_origin_to(origin_for_camera());
 }
 
 }  // namespace posemix::internal
