@@ -49,11 +49,12 @@ struct Part {
   }
 };
 
-/// Six columns of C -= A B^T, over kVectors vectors of rows of A and C, the last with `last`.
+/// Six columns of C = P - A B^T, over kVectors vectors of rows of A, P and C, the last with `last`.
+/// P may be C.
 template <std::size_t kVectors, class Access>
 HWY_INLINE void subtract_tile(const Access& last, const double* a, std::size_t stride_a,
-                              const Strided& b, std::size_t depth, double* c,
-                              std::size_t stride_c) {
+                              const Strided& b, std::size_t depth, const double* p,
+                              std::size_t stride_p, double* c, std::size_t stride_c) {
   const auto load = [&](const double* at, std::size_t v) HWY_ATTR {
     return v + 1 == kVectors ? last.load(at + v * kLanes) : hn::LoadU(D(), at + v * kLanes);
   };
@@ -61,7 +62,7 @@ HWY_INLINE void subtract_tile(const Access& last, const double* a, std::size_t s
   POSEMIX_UNROLL
   for (std::size_t v = 0; v < kVectors; ++v) {
     POSEMIX_UNROLL
-    for (std::size_t j = 0; j < kColumns; ++j) sums[v][j] = load(c + j * stride_c, v);
+    for (std::size_t j = 0; j < kColumns; ++j) sums[v][j] = load(p + j * stride_p, v);
   }
   for (std::size_t k = 0; k < depth; ++k) {
     V rows[kVectors];
@@ -92,13 +93,32 @@ constexpr std::size_t kTile = kLanes == 8 ? 3 : 2;
 /// A tile of whole vectors but for the last one.
 template <std::size_t kVectors>
 HWY_INLINE void subtract_last_tile(std::size_t rows, const double* a, std::size_t stride_a,
-                                   const Strided& b, std::size_t depth, double* c,
-                                   std::size_t stride_c) {
+                                   const Strided& b, std::size_t depth, const double* p,
+                                   std::size_t stride_p, double* c, std::size_t stride_c) {
   const std::size_t last = rows - (kVectors - 1) * kLanes;
   if (last == kLanes) {
-    subtract_tile<kVectors>(Whole(), a, stride_a, b, depth, c, stride_c);
+    subtract_tile<kVectors>(Whole(), a, stride_a, b, depth, p, stride_p, c, stride_c);
   } else {
-    subtract_tile<kVectors>(Part(last), a, stride_a, b, depth, c, stride_c);
+    subtract_tile<kVectors>(Part(last), a, stride_a, b, depth, p, stride_p, c, stride_c);
+  }
+}
+
+/// Six columns of C = P - A B^T with any number of rows. P may be C.
+HWY_INLINE void subtract_columns(std::size_t rows, const double* a, std::size_t stride_a,
+                                 const Strided& b, std::size_t depth, const double* p,
+                                 std::size_t stride_p, double* c, std::size_t stride_c) {
+  for (; rows > kTile * kLanes; rows -= kTile * kLanes) {
+    subtract_tile<kTile>(Whole(), a, stride_a, b, depth, p, stride_p, c, stride_c);
+    a += kTile * kLanes;
+    p += kTile * kLanes;
+    c += kTile * kLanes;
+  }
+  if (rows > 2 * kLanes) {
+    subtract_last_tile<kTile>(rows, a, stride_a, b, depth, p, stride_p, c, stride_c);
+  } else if (rows > kLanes) {
+    subtract_last_tile<2>(rows, a, stride_a, b, depth, p, stride_p, c, stride_c);
+  } else if (rows > 0) {
+    subtract_last_tile<1>(rows, a, stride_a, b, depth, p, stride_p, c, stride_c);
   }
 }
 
@@ -106,18 +126,7 @@ HWY_INLINE void subtract_last_tile(std::size_t rows, const double* a, std::size_
 HWY_INLINE void subtract_columns(std::size_t rows, const double* a, std::size_t stride_a,
                                  const Strided& b, std::size_t depth, double* c,
                                  std::size_t stride_c) {
-  for (; rows > kTile * kLanes; rows -= kTile * kLanes) {
-    subtract_tile<kTile>(Whole(), a, stride_a, b, depth, c, stride_c);
-    a += kTile * kLanes;
-    c += kTile * kLanes;
-  }
-  if (rows > 2 * kLanes) {
-    subtract_last_tile<kTile>(rows, a, stride_a, b, depth, c, stride_c);
-  } else if (rows > kLanes) {
-    subtract_last_tile<2>(rows, a, stride_a, b, depth, c, stride_c);
-  } else if (rows > 0) {
-    subtract_last_tile<1>(rows, a, stride_a, b, depth, c, stride_c);
-  }
+  subtract_columns(rows, a, stride_a, b, depth, c, stride_c, c, stride_c);
 }
 
 }  // namespace HWY_NAMESPACE

@@ -27,32 +27,34 @@ void subtract_product(double* c, std::size_t stride_c, const double* a, std::siz
     subtract_columns(rows, a, stride_a, {b + j, 1, stride_b}, depth, c + j * stride_c, stride_c);
 }
 
-/// The lower triangle of C -= A B^T, and some entries above it.
-void subtract_lower_product(double* c, std::size_t stride_c, const double* a, std::size_t stride_a,
-                            const double* b, std::size_t stride_b, std::size_t size,
-                            std::size_t depth) {
+/// The lower triangle of C = P - A B^T, and some entries above it. P may be C.
+void subtract_lower_product(const double* p, std::size_t stride_p, const double* a,
+                            std::size_t stride_a, const double* b, std::size_t stride_b,
+                            std::size_t size, std::size_t depth, double* c, std::size_t stride_c) {
   for (std::size_t j = 0; j < size; j += kColumns) {
-    subtract_columns(size - j, a + j, stride_a, {b + j, 1, stride_b}, depth, c + j + j * stride_c,
-                     stride_c);
+    subtract_columns(size - j, a + j, stride_a, {b + j, 1, stride_b}, depth, p + j + j * stride_p,
+                     stride_p, c + j + j * stride_c, stride_c);
   }
 }
 
-/// The factor of a block of six, in its place, and the reciprocals of its diagonal.
+/// The factor of a block of six, in its place, and the reciprocals of its diagonal. One column
+/// waits for a division of the one before, not for its root.
 HWY_INLINE bool factor_block(double* s, std::size_t stride,
                              std::array<double, kColumns>& reciprocals) {
   POSEMIX_UNROLL
   for (std::size_t j = 0; j < kColumns; ++j) {
-    double pivot = s[j + j * stride];
-    for (std::size_t k = 0; k < j; ++k) pivot -= s[j + k * stride] * s[j + k * stride];
+    double* const column = s + j * stride;
+    const double pivot = column[j];
     if (!(pivot > 0.0)) return false;
+    const double inverse = 1.0 / pivot;
+    for (std::size_t k = j + 1; k < kColumns; ++k) {
+      const double factor = column[k] * inverse;
+      for (std::size_t i = k; i < kColumns; ++i) s[i + k * stride] -= column[i] * factor;
+    }
     const double root = std::sqrt(pivot);
     reciprocals[j] = 1.0 / root;
-    s[j + j * stride] = root;
-    for (std::size_t i = j + 1; i < kColumns; ++i) {
-      double sum = s[i + j * stride];
-      for (std::size_t k = 0; k < j; ++k) sum -= s[i + k * stride] * s[j + k * stride];
-      s[i + j * stride] = sum * reciprocals[j];
-    }
+    column[j] = root;
+    for (std::size_t i = j + 1; i < kColumns; ++i) column[i] *= reciprocals[j];
   }
   return true;
 }
@@ -210,13 +212,22 @@ void subtract_product(MatrixRef c, ConstMatrixRef a, ConstMatrixRef b) {
 
 void subtract_lower_product(MatrixRef p, ConstMatrixRef a, ConstMatrixRef b) {
   POSEMIX_DISPATCH(subtract_lower_product)
-  (p.data(), stride(p), a.data(), stride(a), b.data(), stride(b), count(p.rows()), count(a.cols()));
+  (p.data(), stride(p), a.data(), stride(a), b.data(), stride(b), count(p.rows()), count(a.cols()),
+   p.data(), stride(p));
 }
 
 void subtract_symmetric_product(MatrixRef p, ConstMatrixRef a, ConstMatrixRef b) {
   // An entry (i, j) above the diagonal has row i of a and row j of b; below it is entry (j, i).
   subtract_lower_product(p, b, a);
   mirror_lower_in_place(p);
+}
+
+void set_symmetric_difference(MatrixRef result, ConstMatrixRef p, ConstMatrixRef a,
+                              ConstMatrixRef b) {
+  POSEMIX_DISPATCH(subtract_lower_product)
+  (p.data(), stride(p), b.data(), stride(b), a.data(), stride(a), count(p.rows()), count(a.cols()),
+   result.data(), stride(result));
+  mirror_lower_in_place(result);
 }
 
 bool factor_in_place(MatrixRef s) {

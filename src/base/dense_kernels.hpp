@@ -24,6 +24,10 @@ void subtract_lower_product(MatrixRef p, ConstMatrixRef a, ConstMatrixRef b);
 /// and mirrored.
 void subtract_symmetric_product(MatrixRef p, ConstMatrixRef a, ConstMatrixRef b);
 
+/// The same into another matrix, result = p - a b^T.
+void set_symmetric_difference(MatrixRef result, ConstMatrixRef p, ConstMatrixRef a,
+                              ConstMatrixRef b);
+
 /// The Cholesky factor L of a symmetric S = L L^T, of which the lower triangle is read, in its
 /// place. False, and the lower triangle is lost, when S is not positive definite.
 [[nodiscard]] bool factor_in_place(MatrixRef s);

@@ -91,9 +91,12 @@ TEST(DenseKernels, ASymmetricProductIsThatAboveTheDiagonalAndExactlySymmetric) {
           p.cast<long double>() - a.cast<long double>() * b.cast<long double>().transpose();
       expected = expected.triangularView<Eigen::Upper>();
       expected += MatrixXl(expected.triangularView<Eigen::StrictlyUpper>().transpose());
+      MatrixXd result = MatrixXd::Constant(n, n, std::numeric_limits<double>::quiet_NaN());
+      set_symmetric_difference(result, p, a, b);
       subtract_symmetric_product(p, a, b);
       EXPECT_LT(relative_error(p, expected), kTolerance) << n;
       EXPECT_EQ(p, p.transpose()) << n;
+      EXPECT_EQ(result, p) << n;
     }
   });
 }

@@ -106,6 +106,71 @@ TEST(Update, AgreesWithTextbookFilterOverManyFrames) {
   EXPECT_LT((hypothesis.covariance() - textbook.covariance).cwiseAbs().maxCoeff(), 1e-10 * scale);
 }
 
+/// The posterior covariance of a camera and two objects, both detected, in long double and Joseph's
+/// form.
+Eigen::MatrixXd joseph(const Eigen::MatrixXd& prior, const std::array<Matrix6d, 2>& noise) {
+  using Exact = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  const Exact p = prior.cast<long double>();
+  Exact h = Exact::Zero(12, 18);
+  h.leftCols(6) << -Exact::Identity(6, 6), -Exact::Identity(6, 6);
+  h.rightCols(12) = Exact::Identity(12, 12);
+  Exact r = Exact::Zero(12, 12);
+  for (Eigen::Index j = 0; j < 2; ++j)
+    r.block(6 * j, 6 * j, 6, 6) = noise[static_cast<std::size_t>(j)].cast<long double>();
+  const Exact s = h * p * h.transpose() + r;
+  const Exact k = s.llt().solve(h * p).transpose();
+  const Exact rest = Exact::Identity(18, 18) - k * h;
+  return Exact(rest * p * rest.transpose() + k * r * k.transpose()).cast<double>();
+}
+
+/// The error of a covariance as it is seen from the camera, in standard deviations.
+double error_from_camera(const Eigen::MatrixXd& covariance, const Eigen::MatrixXd& expected) {
+  Eigen::MatrixXd from_camera = Eigen::MatrixXd::Zero(12, 18);
+  from_camera.leftCols(6) << -Matrix6d::Identity(), -Matrix6d::Identity();
+  from_camera.rightCols(12).setIdentity();
+  const Eigen::LLT<Eigen::MatrixXd> factor(from_camera * expected * from_camera.transpose());
+  const Eigen::MatrixXd error = from_camera * (covariance - expected) * from_camera.transpose();
+  const Eigen::MatrixXd half = factor.matrixL().solve(error);
+  return Eigen::MatrixXd(factor.matrixL().solve(half.transpose())).norm();
+}
+
+TEST(Update, KeepsItsDigitsHoweverWideThePriorIs) {
+  Scene scene;
+  const Matrix6d r = isotropic(3.0, 0.008);
+  Matrix6d correlated = r;
+  correlated(0, 4) = correlated(4, 0) = 0.7 * std::sqrt(r(0, 0) * r(4, 4));
+  Eigen::MatrixXd of_objects = scene.covariance;
+  of_objects.leftCols(6).setZero();
+  of_objects.topRows(6).setZero();
+  const Eigen::MatrixXd of_camera =
+      Eigen::VectorXd(
+          (Eigen::VectorXd(18) << Vector6d::Constant(1e-6), Eigen::VectorXd::Zero(12)).finished())
+          .asDiagonal();
+  for (const Matrix6d& covariance : {r, correlated}) {
+    const DetectorNoise noise({{1.0, covariance}});
+    const std::vector<const NoiseComponent*> components(2, &noise.components().front());
+    for (const double wide : {0.01, 0.3, 1.0, 3.0, 10.0, 30.0, 100.0, 1e3, 1e4, 1e5, 1e6}) {
+      const std::vector<Detection> detections{{1, scene.detect(1, r), &noise},
+                                              {2, scene.detect(2, r), &noise}};
+      std::array<Matrix6d, 2> in_world;
+      for (std::size_t j = 0; j < 2; ++j)
+        in_world[j] = innovation(scene.truth, detections[j], *components[j]).noise;
+      // Where the objects alone are uncertain nothing is lost; what camera and objects have in
+      // common has its own rounding.
+      const auto check = [&](const Eigen::MatrixXd& prior, double tolerance) {
+        const UpdateResult result = update(Hypothesis(scene.truth, prior), detections, components);
+        ASSERT_TRUE(result.ok);
+        const Eigen::MatrixXd expected = joseph(prior, in_world);
+        const Eigen::MatrixXd& found = result.posterior.covariance();
+        EXPECT_LT((found - expected).norm(), 1e-14 * expected.norm()) << wide;
+        EXPECT_LT(error_from_camera(found, expected), tolerance) << wide;
+      };
+      check(of_camera + wide * wide * of_objects, 1e-12);
+      check(wide * wide * scene.covariance, 1e-12 + 1e-13 * wide * wide);
+    }
+  }
+}
+
 TEST(Update, InnovationIsLinearInTheErrors) {
   // z = Log(T_R Y T_o^-1) with T = Exp(xi) T_0: central differences give H = [-I I].
   const PoseStackd mean(

@@ -51,7 +51,7 @@ struct UpdateResult {
 };
 
 /// Updates one hypothesis with several detections at once, each under the noise component given for
-/// it. The covariance is computed in Joseph's form.
+/// it. The covariance is computed in Joseph's form where the prior is far wider than the noise.
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> noise);
 

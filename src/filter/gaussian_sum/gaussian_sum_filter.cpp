@@ -10,6 +10,7 @@
 #include "base/kept_matrices.hpp"
 #include "detections_of_frame.hpp"
 #include "filter/precision.hpp"
+#include "linearized_update.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "posemix/lie/pose_checks.hpp"
 #include "scene_frame.hpp"
@@ -19,23 +20,43 @@ namespace {
 
 using namespace internal;
 
-/// One child of one hypothesis without a robust loss.
-UpdateResult gaussian_child_of(const Hypothesis& parent, std::span<const Detection> detections,
-                               std::span<const NoiseComponent* const> noise,
-                               const GaussianSumSettings& settings) {
-  return settings.update == UpdateRule::iterated
-             ? iterated_update(parent, detections, noise, settings.first_object)
-             : posemix::update(parent, detections, noise);
-}
+using NoiseSpan = std::span<const NoiseComponent* const>;
 
+/// One child of one hypothesis under one component of the noise.
 UpdateResult child_of(const Hypothesis& parent, std::span<const Detection> detections,
-                      std::span<const NoiseComponent* const> noise,
-                      const GaussianSumSettings& settings) {
-  const auto update = [&](std::span<const NoiseComponent* const> components) {
-    return gaussian_child_of(parent, detections, components, settings);
+                      NoiseSpan noise, const GaussianSumSettings& settings) {
+  const auto update = [&](NoiseSpan components) {
+    return settings.update == UpdateRule::iterated
+               ? iterated_update(parent, detections, components, settings.first_object)
+               : posemix::update(parent, detections, components);
   };
   if (settings.robust_loss == RobustLoss::none) return update(noise);
   return cauchy_update(parent, detections, noise, update, {.scale = settings.cauchy_scale});
+}
+
+/// The children of one hypothesis, one for each component of the noise.
+KeptVector<UpdateResult> children_of(const Hypothesis& parent,
+                                     std::span<const Detection> detections,
+                                     const FrameNoises& noises,
+                                     const GaussianSumSettings& settings) {
+  if (settings.update == UpdateRule::linearized && settings.robust_loss == RobustLoss::none)
+    return linearized_updates(parent, detections, noises);
+  KeptVector<UpdateResult> children;
+  const std::size_t count = detections.size();
+  const NoiseSpan all(noises.components);
+  for (std::size_t first = 0; first < all.size(); first += count)
+    children.push_back(child_of(parent, detections, all.subspan(first, count), settings));
+  return children;
+}
+
+/// Every common component of the noise, as that of each detection.
+FrameNoises noises_of(std::span<const Detection> detections) {
+  std::vector<const NoiseComponent*> components;
+  for (std::size_t i = 0, count = common_components(detections); i < count; ++i) {
+    for (const Detection& detection : detections)
+      components.push_back(&detection.noise->components()[i]);
+  }
+  return FrameNoises(components);
 }
 
 Hypothesis copy_of(const Hypothesis& hypothesis) {
@@ -162,20 +183,19 @@ UpdateReport GaussianSumFilter::updated_by(std::span<const Detection> detections
 
 bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateReport& report) {
   const Stopwatch stopwatch;
-  const std::size_t noise_components = common_components(detections);
+  const FrameNoises noises = noises_of(detections);
   std::vector<Component<Hypothesis>> children;
   std::vector<double> log_weights;
-  children.reserve(posterior_.size() * (noise_components + 1));
+  children.reserve(posterior_.size() * (noises.components.size() / detections.size() + 1));
+  log_weights.reserve(children.capacity());
   for (const auto& parent : posterior_.components()) {
     const std::size_t first_child = children.size();
-    for (std::size_t i = 0; i < noise_components; ++i) {
-      std::vector<const NoiseComponent*> noise;
-      for (const Detection& detection : detections)
-        noise.push_back(&detection.noise->components()[i]);
-      UpdateResult child = child_of(parent.density, detections, noise, settings_);
-      log_weights.push_back(parent.log_weight + std::log(noise.front()->weight) +
-                            child.log_likelihood);
+    std::size_t i = 0;
+    for (UpdateResult& child : children_of(parent.density, detections, noises, settings_)) {
+      const double log_prior = std::log(noises.components[i]->weight);
+      log_weights.push_back(parent.log_weight + log_prior + child.log_likelihood);
       children.push_back({log_weights.back(), std::move(child.posterior)});
+      i += detections.size();
     }
     if (detections.front().noise->clutter().weight > 0.0) {
       log_weights.push_back(parent.log_weight + detections.front().noise->log_clutter_density());

@@ -12,7 +12,7 @@ namespace posemix::internal {
 
 void Innovations::set(const PoseStackd& mean, std::span<const Detection> detections,
                       std::span<const NoiseComponent* const> components) {
-  const std::size_t count = detections.size();
+  const std::size_t count = components.size();
   detected_.resize(count);
   objects_.resize(count);
   axes_.resize(count);
@@ -20,8 +20,9 @@ void Innovations::set(const PoseStackd& mean, std::span<const Detection> detecti
   residual.resize(offset(count));
   const SE3d& camera = mean[kCamera];
   for (std::size_t j = 0; j < count; ++j) {
-    detected_[j] = without_offset(detections[j].camera_object, *components[j]);
-    objects_[j] = mean[detections[j].object];
+    const Detection& detection = detections[j % detections.size()];
+    detected_[j] = without_offset(detection.camera_object, *components[j]);
+    objects_[j] = mean[detection.object];
     axes_[j] = noise_axes(*components[j], camera.rotation(), objects_[j]);
     noise[j] = components[j]->covariance;
   }

@@ -9,12 +9,13 @@
 
 namespace posemix::internal {
 
-/// The innovations of several detections, all at once by vector instructions; innovation() is the
-/// reference.
+/// The innovations of several detections under one or more noises, all at once by vector
+/// instructions; innovation() is the reference.
 struct Innovations {
-  Eigen::VectorXd residual;     ///< z, six coordinates for every detection
-  std::vector<Matrix6d> noise;  ///< R, by detection
+  Eigen::VectorXd residual;     ///< z, six coordinates for every component
+  std::vector<Matrix6d> noise;  ///< R, by component
 
+  /// `components` are by noise, then by detection.
   void set(const PoseStackd& mean, std::span<const Detection> detections,
            std::span<const NoiseComponent* const> components);
 

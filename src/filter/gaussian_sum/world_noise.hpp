@@ -2,9 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <span>
-#include <vector>
 
+#include "base/kept_memory.hpp"
 #include "posemix/filter/update.hpp"
 
 /// The noise of a detection, carried into the world frame by the camera's axes: an iterated update
@@ -27,7 +28,8 @@ inline Matrix6d world_noise(const NoiseComponent& noise, const SE3d& camera, con
   return noise_axes(noise, camera.rotation(), object).adjoint_congruence(noise.covariance);
 }
 
-/// The noise components of several detections for one mean. A component along the viewing ray
+/// The noise components of several detections for one mean, one or more for each: by noise, then by
+/// detection. A component along the viewing ray
 /// becomes one along the camera's axes; the others stay as they are. The iterations of an update
 /// then keep the ray of the prior mean.
 class NoiseAtMean {
@@ -35,10 +37,13 @@ class NoiseAtMean {
   NoiseAtMean(const PoseStackd& mean, std::span<const Detection> detections,
               std::span<const NoiseComponent* const> noise)
       : pointers_(noise.begin(), noise.end()) {
-    resolved_.reserve(noise.size());
+    resolved_.reserve(static_cast<std::size_t>(std::count_if(
+        noise.begin(), noise.end(),
+        [](const NoiseComponent* component) { return component->frame == NoiseFrame::ray; })));
     for (std::size_t j = 0; j < noise.size(); ++j) {
       if (noise[j]->frame != NoiseFrame::ray) continue;
-      const SE3d camera_object = mean[kCamera].inverse() * mean[detections[j].object];
+      const SE3d camera_object =
+          mean[kCamera].inverse() * mean[detections[j % detections.size()].object];
       pointers_[j] = &resolved_.emplace_back(along_camera(*noise[j], camera_object));
     }
   }
@@ -51,8 +56,8 @@ class NoiseAtMean {
   std::span<const NoiseComponent* const> components() const { return pointers_; }
 
  private:
-  std::vector<NoiseComponent> resolved_;
-  std::vector<const NoiseComponent*> pointers_;
+  KeptVector<NoiseComponent> resolved_;
+  KeptVector<const NoiseComponent*> pointers_;
 };
 
 /// T_camera_object as one component explains the detected pose: without the offset of its mode.
