@@ -129,8 +129,9 @@ std::vector<std::size_t> FixedLagSmoother::reported_poses(const internal::Smooth
   return poses;
 }
 
-void FixedLagSmoother::require_near(const internal::SmoothingWindow& window) const {
-  if (const auto object = smoothing_.passes > 1 ? window.too_far() : std::nullopt) {
+void FixedLagSmoother::require_near(const internal::SmoothingWindow& window,
+                                    std::span<const SmootherFrame* const> inputs) const {
+  if (const auto object = smoothing_.passes > 1 ? window.too_far(inputs) : std::nullopt) {
     throw InvalidInput(
         fmt::format("smoothing: object '{}' is so far from where the camera begins that double "
                     "precision does not hold what its detector sees, expected a shorter way, a "
@@ -159,7 +160,7 @@ std::vector<FrameEstimate> FixedLagSmoother::smooth(std::size_t count) {
   inputs.reserve(window_.size());
   for (const Frame& frame : window_) inputs.push_back(&frame.taken);
   const SmoothingWindow window(before_, now, motion_, scene(), leading_modes(now));
-  require_near(window);
+  require_near(window, inputs);
   SmoothedModes smoothed = window.smooth(inputs, smoothing_.passes);
   const std::vector<JointState>& joint = smoothed.states;
   require_sound(window, joint);
@@ -200,7 +201,7 @@ void FixedLagSmoother::add_alternatives(std::span<const SmootherFrame* const> in
       if (!leads && list[h].probability < smoothing_.least_probability) continue;
       modes[j] = h;
       const SmoothingWindow window(before_, now, motion_, scene(), modes);
-      if (window.too_far()) continue;
+      if (window.too_far(inputs)) continue;
       const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes).states;
       bool is_lost = false;
       for (std::size_t k = 0; k < joint.size(); ++k)

@@ -3,7 +3,10 @@
 #include "slam/smoothing_window.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
+
+#include <Eigen/Eigenvalues>
 
 #include "filter/precision.hpp"
 #include "posemix/filter/predict.hpp"
@@ -99,20 +102,50 @@ Hypothesis SmoothingWindow::reported(const JointState& joint) const {
   return Hypothesis::trusted(joint.poses, std::move(covariance));
 }
 
-std::optional<std::size_t> SmoothingWindow::too_far() const {
+std::optional<std::size_t> SmoothingWindow::too_far(
+    std::span<const SmootherFrame* const> frames) const {
   // The passes have inverses of covariances: a tenth of what a filter holds.
   constexpr double kLargestRatio = 0.1 * kLargestVarianceRatio;
   const Modes known = known_before();
   for (std::size_t i = 0; i < model_.objects.size(); ++i) {
-    if (known[model_.objects[i]]) continue;
-    const Matrix6d there = shift_near(hypotheses_[i].pose)(vague_covariance());
-    for (const NoiseComponent& component : model_.sensors[i]->noise.components()) {
-      if (there.diagonal().tail<3>().maxCoeff() >
-          kLargestRatio * component.covariance.diagonal().tail<3>().minCoeff())
-        return model_.objects[i];
-    }
+    const std::size_t object = model_.objects[i];
+    const WorldShift shift = shift_near(hypotheses_[i].pose);
+    if (known[object] || shift.is_none()) continue;
+    const Matrix6d there = shift(vague_covariance());
+    if (there.diagonal().tail<3>().maxCoeff() > kLargestRatio * least_variance(object, frames))
+      return object;
   }
   return std::nullopt;
+}
+
+/// Of a position along any direction, in any of the detections of an object [m^2].
+double SmoothingWindow::least_variance(std::size_t object,
+                                       std::span<const SmootherFrame* const> frames) const {
+  const ObjectSensor& sensor = now_.sensor(object);
+  const GivenCovariance use = sensor.noise.dependence().given_covariance;
+  double least = std::numeric_limits<double>::infinity();
+  const auto take = [&](const Matrix6d& covariance, double scale) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> position(
+        covariance.bottomRightCorner<3, 3>(), Eigen::EigenvaluesOnly);
+    least = std::min(least, scale * scale * position.eigenvalues()[0]);
+  };
+  const double scale = sensor.noise_scale.tail<3>().minCoeff();
+  for (const SmootherFrame* frame : frames) {
+    for (const ObservedObject& seen : frame->observed) {
+      if (seen.object != object) continue;
+      for (const ObservationComponent& component : seen.observation.components) {
+        for (const NoiseComponent& noise : sensor.noise.components())
+          take(noise_at(noise, component.pose).covariance, scale);
+        for (const DetectorNoise& other : sensor.other_detectors) {
+          for (const NoiseComponent& noise : other.components())
+            take(noise_at(noise, component.pose).covariance, scale);
+        }
+        if (component.covariance && use != GivenCovariance::ignored)
+          take(*component.covariance, use == GivenCovariance::as_given ? 1.0 : scale);
+      }
+    }
+  }
+  return least;
 }
 
 /// The same hypotheses as they were before the window, where they were.

@@ -42,7 +42,7 @@ class SmoothingWindow {
 
   /// An object that the filter did not have, so far from the first camera that in the passes after
   /// the first one its errors would be lost beside what is not known of it.
-  std::optional<std::size_t> too_far() const;
+  std::optional<std::size_t> too_far(std::span<const SmootherFrame* const> frames) const;
 
   /// Of the object's pose in what is smoothed.
   std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
@@ -54,6 +54,7 @@ class SmoothingWindow {
     bool has_motion;
   };
 
+  double least_variance(std::size_t object, std::span<const SmootherFrame* const> frames) const;
   Modes known_before() const;
   Given given_before(const Modes& known) const;
   JointState start(const Modes& known, bool vague) const;

@@ -91,6 +91,18 @@ TEST_F(Streams, ASignalEndsTheWaitForAReaderOfTheState) {
   EXPECT_TRUE(fs::exists(out() + "/trace.json"));
 }
 
+/// What a shell starts in the background ignores interrupts, and so do its children.
+TEST_F(Streams, AProgramOfTheTestsIsInterruptedWhereTheyAreNot) {
+  const auto before = std::signal(SIGINT, SIG_IGN);
+  RunningProgram program({"/bin/sleep", "10"});
+  std::signal(SIGINT, before);
+  while (!program.has_ended()) {
+    program.send(SIGINT);
+    pause(10);
+  }
+  EXPECT_EQ(program.wait().exit_code, 128 + SIGINT);
+}
+
 /// A file that is opened later is none of them.
 TEST_F(Streams, WhatIsPrintedToAClosedOutputIsAnErrorWhateverElseIsClosed) {
   for (const std::string closed : {">&-", "<&- >&-", "<&- >&- 2>&-"}) {

@@ -171,6 +171,36 @@ TEST(Update, KeepsItsDigitsHoweverWideThePriorIs) {
   }
 }
 
+/// Each detector is far finer than the one before, so that what one leaves is wide for the next.
+TEST(Update, KeepsItsDigitsWhereDetectorsAreFinerByAndBy) {
+  using Exact = long double;
+  for (const double finer : {30.0, 1e3, 3e4}) {
+    const Hypothesis prior(PoseStackd(std::vector<SE3d>(4)),
+                           Eigen::VectorXd((Eigen::VectorXd(24) << Vector6d::Ones(),
+                                            Eigen::VectorXd::Constant(18, 1e-26))
+                                               .finished())
+                               .asDiagonal());
+    std::vector<DetectorNoise> noises;
+    Exact information = 1.0L;
+    for (double variance = 1.0 / finer; noises.size() < 3; variance /= finer) {
+      Vector6d variances = Vector6d::Constant(1e3);
+      variances[3] = variance;
+      noises.emplace_back(std::vector<NoiseComponent>{{1.0, variances.asDiagonal()}});
+      information += 1.0L / variance;
+    }
+    std::vector<Detection> detections;
+    std::vector<const NoiseComponent*> components;
+    for (std::size_t j = 0; j < 3; ++j) {
+      detections.push_back({j + 1, SE3d(), &noises[j]});
+      components.push_back(&noises[j].components().front());
+    }
+    const UpdateResult result = update(prior, detections, components);
+    ASSERT_TRUE(result.ok);
+    const auto expected = static_cast<double>(1.0L / information);
+    EXPECT_NEAR(result.posterior.covariance()(3, 3) / expected, 1.0, 1e-6) << finer;
+  }
+}
+
 TEST(Update, InnovationIsLinearInTheErrors) {
   // z = Log(T_R Y T_o^-1) with T = Exp(xi) T_0: central differences give H = [-I I].
   const PoseStackd mean(
@@ -279,6 +309,21 @@ TEST(Update, ReportsAnInnovationCovarianceThatIsNotPositiveDefinite) {
   EXPECT_FALSE(result.ok);
   EXPECT_TRUE(std::isinf(result.log_likelihood));
   EXPECT_TRUE(std::isinf(squared_mahalanobis(broken, detection, noise.components().front())));
+}
+
+TEST(Update, RefusesNoiseThatIsNotOfTheDetections) {
+  Scene scene;
+  const Hypothesis prior = scene.prior();
+  const DetectorNoise noise = gaussian_noise();
+  const std::array detections{Detection{1, scene.detect(1, isotropic(4.0, 0.01)), &noise},
+                              Detection{2, scene.detect(2, isotropic(4.0, 0.01)), &noise}};
+  const std::array components{&noise.components().front()};
+  const std::span<const Detection> none;
+  EXPECT_THROW(update(prior, detections, components), InvalidInput);
+  EXPECT_THROW(update(prior, none, components), InvalidInput);
+  EXPECT_THROW(iterated_update(prior, detections, components), InvalidInput);
+  const NoiseUpdate by = [&](auto given) { return update(prior, detections, given); };
+  EXPECT_THROW(cauchy_update(prior, detections, components, by), InvalidInput);
 }
 
 TEST(NewObject, ErrorIsThatOfCameraAndDetectionTogether) {

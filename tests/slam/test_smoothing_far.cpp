@@ -37,7 +37,7 @@ void drive_away(Sequence& sequence, double distance, bool sees_another = false) 
 /// Two objects before a camera in a world whose origin is elsewhere, smoothed by the default
 /// filter.
 SlamRun smoothed_at(const SE3d& world, std::size_t lag, MotionModel model, double drive_m = 0.0,
-                    bool sees_another = false) {
+                    bool sees_another = false, const Matrix6d& white = kR) {
   Sequence sequence = testing::drawn_sequence(3, 2);
   if (drive_m > 0.0) drive_away(sequence, drive_m, sees_another);
   ObjectSlamSettings settings = testing::plain_slam_settings();
@@ -50,7 +50,8 @@ SlamRun smoothed_at(const SE3d& world, std::size_t lag, MotionModel model, doubl
   }
   const SE3d place(SO3d(), kStart.translation());
   const Matrix6d start = (world * place).adjoint_congruence(isotropic(0.5, 0.005));
-  const DetectorNoise noise({{.weight = 0.9, .covariance = kR}}, {.weight = 0.1, .volume_m3 = 1.0});
+  const DetectorNoise noise({{.weight = 0.9, .covariance = white}},
+                            {.weight = 0.1, .volume_m3 = 1.0});
   return run_smoothed(sequence, {world * kStart, start}, testing::models_with(noise, 2), settings,
                       {.lag_frames = lag});
 }
@@ -123,6 +124,22 @@ TEST(SmoothingFarAway, ObjectsThatAreTooFarFromTheFirstCameraAreRefused) {
               "frames, or a run that is not smoothed")
         << distance;
   }
+}
+
+/// Of a detector whose errors are correlated the smallest one counts.
+TEST(SmoothingFarAway, ADetectorIsAsFineAsItIsAlongAnyDirection) {
+  Matrix6d correlated = kR;
+  correlated(3, 4) = correlated(4, 3) = 0.999 * kR(3, 3);
+  const auto smoothed = [&](double distance) {
+    return smoothed_at(SE3d(), 0, MotionModel::odometry, distance, true, correlated);
+  };
+  EXPECT_NO_THROW(smoothed(20.0));
+  EXPECT_THROW(smoothed(300.0), InvalidInput);
+}
+
+TEST(SmoothingFarAway, NoDetectorIsTooFineNearBy) {
+  const Matrix6d fine = isotropic(0.01, 5e-6);
+  EXPECT_NO_THROW(smoothed_at(SE3d(), 0, MotionModel::odometry, 0.0, false, fine));
 }
 
 }  // namespace

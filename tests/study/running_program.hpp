@@ -35,6 +35,8 @@ class RunningProgram {
     pid_ = fork();
     if (pid_ < 0) throw std::runtime_error("cannot fork");
     if (pid_ == 0) {
+      // A shell without job control has what it starts in the background ignore it.
+      std::signal(SIGINT, SIG_DFL);
       redirect(out_, STDOUT_FILENO);
       redirect(err_, STDERR_FILENO);
       execv(arguments[0], arguments.data());

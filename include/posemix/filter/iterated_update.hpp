@@ -30,6 +30,7 @@ struct IteratedUpdateSettings {
 /// motion of the constant-velocity model) take no part in a common motion. The likelihood is that
 /// of Laplace's approximation, exp(-(zeta^T P^-1 zeta + n^T R^-1 n) / 2) / sqrt(det 2 pi (H P H^T +
 /// R)) at the solution.
+/// @throws InvalidInput when there are not as many components as detections
 UpdateResult iterated_update(const Hypothesis& prior, std::span<const Detection> detections,
                              std::span<const NoiseComponent* const> noise,
                              std::size_t first_object = 1,

@@ -50,7 +50,8 @@ using NoiseUpdate = std::function<UpdateResult(std::span<const NoiseComponent* c
 /// al. 2013); with this loss it is the Cauchy weight of robust pose graphs (Lee et al. 2013).
 ///
 /// `update` computes each step. The likelihood is that under the multiplied covariance.
-/// @throws InvalidInput when the scale is not positive
+/// @throws InvalidInput when the scale is not positive, and when there are not as many components
+/// as detections
 UpdateResult cauchy_update(const Hypothesis& prior, std::span<const Detection> detections,
                            std::span<const NoiseComponent* const> noise, const NoiseUpdate& update,
                            const CauchySettings& settings = {});

@@ -52,6 +52,7 @@ struct UpdateResult {
 
 /// Updates one hypothesis with several detections at once, each under the noise component given for
 /// it. The covariance is computed in Joseph's form where the prior is far wider than the noise.
+/// @throws InvalidInput when there are not as many components as detections
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> noise);
 

@@ -78,7 +78,8 @@ class FixedLagSmoother {
   std::vector<std::size_t> reported_poses(const internal::SmoothingWindow& window,
                                           std::size_t frame) const;
   /// @throws InvalidInput naming the object, or the frame, of which rounding leaves nothing
-  void require_near(const internal::SmoothingWindow& window) const;
+  void require_near(const internal::SmoothingWindow& window,
+                    std::span<const SmootherFrame* const> frames) const;
   void require_sound(const internal::SmoothingWindow& window,
                      const std::vector<JointState>& joint) const;
   std::vector<FrameEstimate> smooth(std::size_t count);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "back_projection.hpp"
+#include "posemix/base/error.hpp"
 #include "relative_poses.hpp"
 #include "world_noise.hpp"
 
@@ -42,6 +43,8 @@ UpdateResult update_in_relative_poses(const Hypothesis& prior,
 UpdateResult iterated_update(const Hypothesis& prior, std::span<const Detection> detections,
                              std::span<const NoiseComponent* const> noise, std::size_t first_object,
                              const IteratedUpdateSettings& settings) {
+  require(noise.size() == detections.size(),
+          "iterated update: not as many noise components as detections, expected one for each");
   if (detections.empty()) return {prior, 0.0, true};
   const internal::NoiseAtMean at_mean(prior.mean(), detections, noise);
   const auto components = at_mean.components();

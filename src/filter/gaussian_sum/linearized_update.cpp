@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <numeric>
 #include <utility>
 
 #include "base/cholesky6.hpp"
@@ -52,9 +50,9 @@ struct Workspace {
   MatrixXd s;                          ///< S = H P H^T + R, then its factor L
   MatrixXd gain;  ///< W = P H^T L^-T, and z^T L^-T as the row below; then K = W L^-1
   MatrixXd rest;
-  std::vector<double> log_dets;  ///< of S by detection, given the detections before it
-  Eigen::VectorXd whitened;      ///< L^-1 z
-  Eigen::VectorXd correction;    ///< K z = W L^-1 z
+  bool keeps_digits;           ///< whether P - W W^T does
+  Eigen::VectorXd whitened;    ///< L^-1 z
+  Eigen::VectorXd correction;  ///< K z = W L^-1 z
 
   void resize(Index n, Index m) {
     p_ht.resize(n + 1, m);
@@ -62,7 +60,6 @@ struct Workspace {
     s.resize(m, m);
     gain.resize(n + 1, m);
     rest.resize(n, m);
-    log_dets.resize(static_cast<std::size_t>(m / kPoseDof));
   }
 
   void set_innovations(const PoseStackd& mean, std::span<const Detection> detections,
@@ -89,32 +86,35 @@ void observe(const Hypothesis& prior, std::span<const Detection> detections, Wor
   }
 }
 
+/// Up to this ratio of variances P - W W^T keeps six digits at least that Joseph's form keeps.
+constexpr double kMostShrinking = 1e9;
+
+/// No eigenvalue of R^-1 S, by which variances shrink, is larger than one plus the sum over the
+/// detections of those of R_j^-1 S_jj, each of which is at most the ratio of their determinants.
+bool keeps_digits(const MatrixXd& s, std::span<const double> log_dets_noise) {
+  const double most = std::log(kMostShrinking / static_cast<double>(log_dets_noise.size()));
+  for (std::size_t j = 0; j < log_dets_noise.size(); ++j) {
+    const Cholesky6 own(block(s, j, j));
+    if (!own.ok() || !(own.log_det() - log_dets_noise[j] <= most)) return false;
+  }
+  return true;
+}
+
 /// The factor of S and W, for the innovations from index `first` on. False where S is not positive
 /// definite. What the noises share is lost with the last one.
 bool whiten(std::size_t first, Workspace& work) {
-  const std::size_t count = work.log_dets.size();
+  const auto count = static_cast<std::size_t>(work.s.rows() / kPoseDof);
   const bool is_last = first + count == work.seen.noise.size();
   take(work.h_p_ht, is_last, work.s);
   take(work.p_ht, is_last, work.gain);
   for (std::size_t j = 0; j < count; ++j) block(work.s, j, j) += work.seen.noise[first + j];
+  work.keeps_digits = keeps_digits(work.s, std::span(work.log_dets_noise).subspan(first, count));
   if (!factor_in_place(work.s)) return false;
-  for (std::size_t j = 0; j < count; ++j) work.log_dets[j] = log_det_of_factor(block(work.s, j, j));
   const Index n = work.rest.rows();
   work.gain.row(n) = work.seen.residual.segment(offset(first), work.s.rows()).transpose();
   solve_transposed_from_right(work.s, work.gain);
   work.whitened = work.gain.row(n).transpose();
   return true;
-}
-
-/// How much larger the determinant of an innovation's covariance, given those before it, may be
-/// than that of its noise for P - W W^T to keep ten digits of the posterior, in logarithms: no
-/// eigenvalue of R^-1 S, by which variances of innovations shrink, is larger then.
-constexpr double kMostShrinking = 6.0 * std::numbers::ln10;
-
-bool keeps_digits(std::span<const double> log_dets, std::span<const double> of_noise) {
-  return std::equal(
-      log_dets.begin(), log_dets.end(), of_noise.begin(), of_noise.end(),
-      [](double innovation, double noise) { return innovation - noise <= kMostShrinking; });
 }
 
 /// Joseph's form of P - W W^T: P' = (I - K H) P, then P <- P' - (P' H^T - K R) K^T.
@@ -139,8 +139,7 @@ Hypothesis moved(const Hypothesis& prior, std::span<const Detection> detections,
   PoseStackd mean(prior.mean().size());
   exp_product_of({work.correction.data(), kPoseDof}, rows_of(prior.mean().poses().data()),
                  rows_of(&mean[0]), mean.size());
-  if (keeps_digits(work.log_dets,
-                   std::span(work.log_dets_noise).subspan(first, detections.size()))) {
+  if (work.keeps_digits) {
     MatrixXd covariance = kept_matrix(prior.dof());
     set_symmetric_difference(covariance, prior.covariance(), w, w);
     return Hypothesis::trusted(std::move(mean), std::move(covariance));
@@ -175,10 +174,8 @@ KeptVector<UpdateResult> linearized_updates(const Hypothesis& prior,
       results.push_back({prior, -std::numeric_limits<double>::infinity(), false});
       continue;
     }
-    const double log_likelihood =
-        -0.5 * (work.whitened.squaredNorm() +
-                std::accumulate(work.log_dets.begin(), work.log_dets.end(), 0.0) +
-                static_cast<double>(work.whitened.size()) * kLogTwoPi);
+    const double log_likelihood = -0.5 * (work.whitened.squaredNorm() + log_det_of_factor(work.s) +
+                                          static_cast<double>(work.whitened.size()) * kLogTwoPi);
     results.push_back({moved(prior, detections, first, work), log_likelihood, true});
   }
   return results;

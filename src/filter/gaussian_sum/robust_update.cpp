@@ -60,6 +60,8 @@ UpdateResult cauchy_update(const Hypothesis& prior, std::span<const Detection> d
   if (!(settings.scale > 0.0))
     throw InvalidInput(
         fmt::format("cauchy scale is {}, expected a positive number", settings.scale));
+  require(noise.size() == detections.size(),
+          "cauchy update: not as many noise components as detections, expected one for each");
   const auto lambda = [&](double squared) {
     return 1.0 + squared / (settings.scale * settings.scale);
   };

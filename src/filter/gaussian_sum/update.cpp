@@ -9,6 +9,7 @@
 #include "base/cholesky6.hpp"
 #include "innovation_score.hpp"
 #include "linearized_update.hpp"
+#include "posemix/base/error.hpp"
 #include "world_noise.hpp"
 
 namespace posemix {
@@ -67,6 +68,8 @@ double squared_mahalanobis(const Hypothesis& hypothesis, const Detection& detect
 
 UpdateResult update(const Hypothesis& prior, std::span<const Detection> detections,
                     std::span<const NoiseComponent* const> noise) {
+  require(noise.size() == detections.size(),
+          "update: not as many noise components as detections, expected one for each");
   if (detections.empty()) return {prior, 0.0, true};
   return std::move(linearized_updates(prior, detections, FrameNoises(noise)).front());
 }
