@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,6 +43,11 @@ struct Trip {
   double start_deg;
   double distance_m;
   int frames;
+
+  friend std::ostream& operator<<(std::ostream& out, const Trip& trip) {
+    return out << trip.start_deg << " deg, " << trip.distance_m << " m, " << trip.frames
+               << " frames";
+  }
 };
 
 class FarObjects : public ::testing::TestWithParam<Trip> {};
@@ -174,6 +180,11 @@ struct Start {
   double translation_m;
   bool has_prior;
   bool is_seen;
+
+  friend std::ostream& operator<<(std::ostream& out, const Start& start) {
+    return out << start.rotation_deg << " deg, " << start.translation_m << " m"
+               << (start.has_prior ? ", prior" : "") << (start.is_seen ? ", seen" : "");
+  }
 };
 
 class ManyObjects : public ::testing::TestWithParam<Start> {};

@@ -77,7 +77,10 @@ TEST_P(FarSessions, StateTheSameOfAllObjects) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Motions, FarSessions,
-                         ::testing::Values(MotionModel::odometry, MotionModel::given));
+                         ::testing::Values(MotionModel::odometry, MotionModel::given),
+                         [](const auto& given) {
+                           return given.param == MotionModel::given ? "given" : "odometry";
+                         });
 
 }  // namespace
 }  // namespace posemix
