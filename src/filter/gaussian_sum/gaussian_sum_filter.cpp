@@ -149,8 +149,12 @@ auto GaussianSumFilter::near_the_scene(const Work& work, const Changed& has_chan
 UpdateReport GaussianSumFilter::update(std::span<const Detection> given) {
   check(given);
   const WhiteDetections white(given);
-  return near_the_scene([&] { return updated_by(white.detections()); },
-                        [](const UpdateReport& report) { return !report.reductions.empty(); });
+  const auto has_changed = [](const UpdateReport& report) {
+    for (std::size_t i = 0; i < report.gated.size(); ++i)
+      if (!report.gated[i] && !report.failed[i]) return true;
+    return false;
+  };
+  return near_the_scene([&] { return updated_by(white.detections()); }, has_changed);
 }
 
 UpdateReport GaussianSumFilter::updated_by(std::span<const Detection> detections) {
