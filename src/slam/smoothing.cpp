@@ -131,7 +131,7 @@ std::vector<std::size_t> FixedLagSmoother::reported_poses(const internal::Smooth
 
 void FixedLagSmoother::require_near(const internal::SmoothingWindow& window,
                                     std::span<const SmootherFrame* const> inputs) const {
-  if (const auto object = smoothing_.passes > 1 ? window.too_far(inputs) : std::nullopt) {
+  if (const auto object = window.too_far(inputs, smoothing_.passes)) {
     throw InvalidInput(
         fmt::format("smoothing: object '{}' is so far from where the camera begins that double "
                     "precision does not hold what its detector sees, expected a shorter way, a "
@@ -201,7 +201,7 @@ void FixedLagSmoother::add_alternatives(std::span<const SmootherFrame* const> in
       if (!leads && list[h].probability < smoothing_.least_probability) continue;
       modes[j] = h;
       const SmoothingWindow window(before_, now, motion_, scene(), modes);
-      if (window.too_far(inputs)) continue;
+      if (window.too_far(inputs, smoothing_.passes)) continue;
       const auto joint = leads ? leading : window.smooth(inputs, smoothing_.passes).states;
       bool is_lost = false;
       for (std::size_t k = 0; k < joint.size(); ++k)

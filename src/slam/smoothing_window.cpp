@@ -102,8 +102,9 @@ Hypothesis SmoothingWindow::reported(const JointState& joint) const {
   return Hypothesis::trusted(joint.poses, std::move(covariance));
 }
 
-std::optional<std::size_t> SmoothingWindow::too_far(
-    std::span<const SmootherFrame* const> frames) const {
+std::optional<std::size_t> SmoothingWindow::too_far(std::span<const SmootherFrame* const> frames,
+                                                    std::size_t passes) const {
+  if (passes < 2) return std::nullopt;
   // The passes have inverses of covariances: a tenth of what a filter holds.
   constexpr double kLargestRatio = 0.1 * kLargestVarianceRatio;
   const Modes known = known_before();

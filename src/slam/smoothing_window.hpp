@@ -41,8 +41,9 @@ class SmoothingWindow {
   Hypothesis reported(const JointState& joint) const;
 
   /// An object that the filter did not have, so far from the first camera that in the passes after
-  /// the first one its errors would be lost beside what is not known of it.
-  std::optional<std::size_t> too_far(std::span<const SmootherFrame* const> frames) const;
+  /// the first one its errors would be lost beside what is not known of it. None for one pass.
+  std::optional<std::size_t> too_far(std::span<const SmootherFrame* const> frames,
+                                     std::size_t passes) const;
 
   /// Of the object's pose in what is smoothed.
   std::optional<std::size_t> pose_index(std::size_t object) const { return indices_[object]; }
