@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "scenario.hpp"
@@ -15,6 +16,7 @@ namespace {
 using testing::correlated_covariance;
 using testing::draw;
 using testing::isotropic;
+using testing::pose;
 using testing::three_poses;
 
 /// The posterior covariance of a camera and two objects, both detected, in long double and Joseph's
@@ -114,6 +116,47 @@ TEST(UpdatePrecision, KeepsItsDigitsWhereDetectorsAreFinerByAndBy) {
     const auto expected = static_cast<double>(1.0L / information);
     EXPECT_NEAR(result.posterior.covariance()(3, 3) / expected, 1.0, 1e-6) << finer;
   }
+}
+
+/// Isotropic variances of rotation [rad^2] and position [m^2].
+Matrix6d variances(double rotation, double position) {
+  Vector6d both;
+  both << Eigen::Vector3d::Constant(rotation), Eigen::Vector3d::Constant(position);
+  return both.asDiagonal();
+}
+
+/// A stray detection puts a camera of unknown rotation 40 to 370 km away, where the covariances
+/// hold few digits and about half of the next detections fail.
+TEST(UpdatePrecision, ADetectionThatFailsFarAwayLeavesEveryBit) {
+  const DetectorNoise noise({{1.0, variances(1e-6, 6e-8), NoiseFrame::camera}});
+  GaussianSumSettings settings;
+  settings.update = UpdateRule::linearized;
+  settings.noise_use = NoiseUse::joint;
+  const PoseStackd start(std::vector<SE3d>{pose(0, 0, 0, -1, -1, -0.24)});
+  int failed = 0;
+  for (const double far : {1e5, 1e6, 1e7}) {
+    for (const double aside : {-1.0, 0.5, 1.0}) {
+      for (const double turn : {0.0, 1.0, 2.5}) {
+        GaussianSumFilter filter(Posterior({{0.0, Hypothesis(start, variances(2.35, 2.2e-7))}}),
+                                 settings);
+        filter.add_object(pose(0, 0, 0, 0, 0, 0.001), noise);
+        filter.predict([](Hypothesis h) {
+          return predict_with_odometry(std::move(h), SE3d(), variances(1e-4, 2e-4));
+        });
+        const Detection stray{1, pose(turn, 0, 0, far, aside * far, far), &noise};
+        filter.update(std::span(&stray, 1));
+        const Hypothesis before = filter.posterior()[0].density;
+        const Detection next{1, pose(0, 0, 0, 0.4, 0.4, 0.4), &noise};
+        if (!filter.update(std::span(&next, 1)).failed[0]) continue;
+        ++failed;
+        const Hypothesis& after = filter.posterior()[0].density;
+        EXPECT_EQ(after.covariance(), before.covariance());
+        for (std::size_t i = 0; i < 2; ++i)
+          EXPECT_EQ(after.mean()[i].matrix(), before.mean()[i].matrix());
+      }
+    }
+  }
+  EXPECT_GT(failed, 0);
 }
 
 }  // namespace
