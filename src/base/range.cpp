@@ -40,4 +40,13 @@ std::string IntegerRange::describe() const {
   return fmt::format("integer in [{}, {}]", lowest, highest);
 }
 
+void internal::check_count(std::size_t count, std::string_view name) {
+  if (count > kLargestCount)
+    throw InvalidInput(fmt::format("{} is {}, expected at most {}", name, count, kLargestCount));
+}
+
+void internal::refuse_index(std::size_t index, std::size_t count, std::string_view what) {
+  throw InvalidInput(fmt::format("there is no {} {}; there are {}", what, index, count));
+}
+
 }  // namespace posemix

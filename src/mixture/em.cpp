@@ -58,6 +58,8 @@ double checked_em_weights(std::span<const double> weights, std::size_t samples,
 Eigen::MatrixXd bounded_covariance(const Eigen::MatrixXd& second_moment,
                                    const EmSettings& settings) {
   const Eigen::Index n = second_moment.rows();
+  require(n > 0 && second_moment.cols() == n, "EM: the second moment is not square");
+  internal::check_em_settings(settings, n);
   const Eigen::VectorXd unit = settings.unit.size() == 0 ? Eigen::VectorXd::Ones(n) : settings.unit;
   const double lowest = settings.min_sd * settings.min_sd;
   const double highest = settings.max_sd * settings.max_sd;

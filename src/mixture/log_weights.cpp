@@ -32,4 +32,14 @@ double checked_log_total(std::span<const double> log_weights) {
   return total;
 }
 
+internal::LogScale internal::checked_log_scale(std::span<const double> log_weights) {
+  constexpr double kFar = 1e3;  // whose last digit is 1e-13
+  const double total = checked_log_total(log_weights);
+  if (std::abs(total) <= kFar) return {total, 0.0};
+  const double largest = *std::max_element(log_weights.begin(), log_weights.end());
+  const double rest =
+      log_sum_exp(log_weights.size(), [&](std::size_t i) { return log_weights[i] - largest; });
+  return {largest, rest};
+}
+
 }  // namespace posemix

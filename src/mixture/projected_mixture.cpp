@@ -53,9 +53,9 @@ struct Weighted {
   std::vector<const ProjectedGaussian<G>*> densities;
 
   explicit Weighted(std::span<const Component<ProjectedGaussian<G>>> components) {
-    const double log_total = checked_log_total(components);
+    const internal::LogScale scale = internal::checked_log_scale(components);
     for (const auto& component : components) {
-      const double weight = std::exp(component.log_weight - log_total);
+      const double weight = std::exp(scale(component.log_weight));
       if (weight == 0.0) continue;
       weights.push_back(weight);
       densities.push_back(&component.density);

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "posemix/mixture/moments.hpp"
 #include "posemix/testing/density_draw.hpp"
 #include "posemix/testing/expect.hpp"
 #include "posemix/testing/statistics.hpp"
@@ -60,6 +61,21 @@ TEST(Mixture, WeightsFarBelowUnderflowKeepTheirRatio) {
   EXPECT_NEAR(mixture[0].log_weight, -1000.0 - std::log1p(std::exp(-1.0)), 1e-12);
   EXPECT_NEAR(mixture.weight(1), 1.0 / (1.0 + std::exp(-1.0)), 1e-12);
   EXPECT_NEAR(mixture.weight(2), 1.0 / (1.0 + std::exp(1.0)), 1e-12);
+}
+
+TEST(Mixture, WeightsOfWhatIsHardlyPossibleSumToOne) {
+  // The log of the sum, about -3e13, has two digits after the point; products of densities that are
+  // kilometres apart, and known to micrometres, weigh so little.
+  const LineMixture mixture = with_log_weights({-3e13, -3e13 - 1.0, -3e13 - 2.0, -3e13 - 1e6});
+  const double sum = 1.0 + std::exp(-1.0) + std::exp(-2.0);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(mixture.weight(i), std::exp(-static_cast<double>(i)) / sum, 1e-15) << i;
+  EXPECT_NEAR(mixture[3].log_weight, -1e6 - std::log(sum), 1e-9);
+  const std::vector<Component<Line>> far{{-3e13, on_line(0.0, 1.0)},
+                                         {-3e13 - 1.0, on_line(1.0, 1.0)}};
+  const auto whole = moments(std::span(far));
+  EXPECT_TRUE(whole.converged);
+  EXPECT_NEAR(whole.density.mean().value()[0], 1.0 / (1.0 + std::exp(1.0)), 1e-15);
 }
 
 TEST(Mixture, StoredWeightsAreKeptBitByBit) {

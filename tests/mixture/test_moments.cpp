@@ -23,22 +23,28 @@ using testing::draw_components;
 using testing::relative_difference;
 using testing::thrown_message;
 
+template <int N>
+void expect_the_law_of_total_variance() {
+  const Mixture mixture(draw_components<Rnd<N>>(4, 2.0, 0.7));
+  Eigen::Matrix<double, N, 1> mean = Eigen::Matrix<double, N, 1>::Zero();
+  for (std::size_t i = 0; i < 4; ++i) mean += mixture.weight(i) * mixture[i].density.mean().value();
+  Eigen::Matrix<double, N, N> covariance = Eigen::Matrix<double, N, N>::Zero();
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Eigen::Matrix<double, N, 1> d = mixture[i].density.mean().value() - mean;
+    covariance += mixture.weight(i) * (mixture[i].density.covariance() + d * d.transpose());
+  }
+  const auto result = moments(mixture);
+  RC_ASSERT(result.converged);
+  RC_ASSERT(result.iterations <= 2);
+  RC_ASSERT((result.density.mean().value() - mean).norm() < 1e-12);
+  RC_ASSERT(relative_difference(result.density.covariance(), covariance) < 1e-12);
+}
+
 TEST(MomentsOfVectors, ObeyTheLawOfTotalVariance) {
   check_property([] {
-    const Mixture mixture(draw_components<Rnd<3>>(4, 2.0, 0.7));
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    for (std::size_t i = 0; i < 4; ++i)
-      mean += mixture.weight(i) * mixture[i].density.mean().value();
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-    for (std::size_t i = 0; i < 4; ++i) {
-      const Eigen::Vector3d d = mixture[i].density.mean().value() - mean;
-      covariance += mixture.weight(i) * (mixture[i].density.covariance() + d * d.transpose());
-    }
-    const auto result = moments(mixture);
-    RC_ASSERT(result.converged);
-    RC_ASSERT(result.iterations <= 2);
-    RC_ASSERT((result.density.mean().value() - mean).norm() < 1e-12);
-    RC_ASSERT(relative_difference(result.density.covariance(), covariance) < 1e-12);
+    expect_the_law_of_total_variance<1>();
+    expect_the_law_of_total_variance<2>();
+    expect_the_law_of_total_variance<3>();
   });
 }
 

@@ -2,9 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 
 namespace posemix {
 
@@ -44,5 +46,24 @@ struct IntegerRange {
 inline constexpr IntegerRange kAnyInteger{};
 inline constexpr IntegerRange kAtLeastOne{.lowest = 1};
 inline constexpr IntegerRange kAtLeastZero{.lowest = 0};
+
+namespace internal {
+
+/// The most that one call can be asked for: more is no number of anything, and products with it
+/// would overflow.
+inline constexpr std::size_t kLargestCount = 1'000'000'000'000;
+
+/// @throws InvalidInput where `count` is beyond kLargestCount; `name` begins the message
+void check_count(std::size_t count, std::string_view name);
+
+/// @throws InvalidInput, such as "there is no object 3; there are 2"
+[[noreturn]] void refuse_index(std::size_t index, std::size_t count, std::string_view what);
+
+/// @throws InvalidInput where `count` things have none at `index`; `what` they are
+inline void check_index(std::size_t index, std::size_t count, std::string_view what) {
+  if (index >= count) refuse_index(index, count, what);
+}
+
+}  // namespace internal
 
 }  // namespace posemix

@@ -137,6 +137,7 @@ BicSelection<D> fit_mixture_by_bic(std::span<const typename D::Group> samples,
 
 /// The covariance of largest expected log-likelihood for a second moment under the bounds of the
 /// settings: its eigenvalues are clipped in the units of the settings, or its diagonal entries.
+/// @throws InvalidInput when a setting is out of range, or the matrix is not square
 Eigen::MatrixXd bounded_covariance(const Eigen::MatrixXd& second_moment,
                                    const EmSettings& settings);
 

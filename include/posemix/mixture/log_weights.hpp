@@ -35,6 +35,23 @@ void check_log_weights(std::span<const double> log_weights);
 /// @throws InvalidInput when a log-weight is NaN or +inf, or all weights are zero
 double checked_log_total(std::span<const double> log_weights);
 
+namespace internal {
+
+/// The log of a sum of weights, in two parts: of weights such as exp(-1e12) a single number has not
+/// the digits for the quotients.
+struct LogScale {
+  double first;
+  double second;
+
+  /// The log of a weight over the sum.
+  double operator()(double log_weight) const { return log_weight - first - second; }
+};
+
+/// @throws InvalidInput as checked_log_total
+LogScale checked_log_scale(std::span<const double> log_weights);
+
+}  // namespace internal
+
 /// The indices below `count` in order of falling `weight(i)`; equal weights keep their order.
 template <class Weight>
 std::vector<std::size_t> heaviest_first(std::size_t count, const Weight& weight) {

@@ -15,6 +15,7 @@
 #include "posemix/base/draw_index.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/random.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/mixture/log_weights.hpp"
 
 namespace posemix {
@@ -26,14 +27,29 @@ struct Component {
   D density;
 };
 
+namespace internal {
+
+template <class D>
+std::vector<double> log_weights_of(std::span<const Component<D>> components) {
+  std::vector<double> log_weights(components.size());
+  std::transform(components.begin(), components.end(), log_weights.begin(),
+                 [](const auto& component) { return component.log_weight; });
+  return log_weights;
+}
+
+/// @throws InvalidInput as checked_log_total
+template <class D>
+LogScale checked_log_scale(std::span<const Component<D>> components) {
+  return checked_log_scale(std::span<const double>(log_weights_of(components)));
+}
+
+}  // namespace internal
+
 /// The log of the sum of the components' weights.
 /// @throws InvalidInput when a log-weight is NaN or +inf, or all weights are zero
 template <class D>
 double checked_log_total(std::span<const Component<D>> components) {
-  std::vector<double> log_weights(components.size());
-  std::transform(components.begin(), components.end(), log_weights.begin(),
-                 [](const auto& component) { return component.log_weight; });
-  return checked_log_total(std::span<const double>(log_weights));
+  return checked_log_total(std::span<const double>(internal::log_weights_of(components)));
 }
 
 /// A mixture sum_i w_i D_i of densities of one kind over one group (midway-merge paper, eq. 6).
@@ -82,8 +98,11 @@ class Mixture {
   std::size_t size() const { return components_.size(); }
   Eigen::Index dof() const { return components_.front().density.dof(); }
   const std::vector<Component<D>>& components() const { return components_; }
-  const Component<D>& operator[](std::size_t i) const { return components_[i]; }
-  double weight(std::size_t i) const { return std::exp(components_[i].log_weight); }
+  const Component<D>& operator[](std::size_t i) const {
+    internal::check_index(i, size(), "component");
+    return components_[i];
+  }
+  double weight(std::size_t i) const { return std::exp((*this)[i].log_weight); }
 
   /// Index of the largest weight; the first of equals.
   std::size_t heaviest() const {
@@ -185,9 +204,10 @@ class Mixture {
 
   /// Normalises the weights unless the log of their sum is within `tolerance` of zero.
   void normalize(double tolerance = 0.0) {
-    const double total = checked_log_total(std::span<const Component<D>>(components_));
-    if (std::abs(total) <= tolerance) return;
-    for (auto& component : components_) component.log_weight -= total;
+    const internal::LogScale scale =
+        internal::checked_log_scale(std::span<const Component<D>>(components_));
+    if (std::abs(scale.first) <= tolerance) return;
+    for (auto& component : components_) component.log_weight = scale(component.log_weight);
   }
 
   std::vector<Component<D>> components_;

@@ -100,9 +100,15 @@ class CubaturePoints {
     Eigen::Index row = 0;
     for (const Tangents& of_part : f) {
       const Eigen::Index dof = of_part.rows();
-      sum.block(row, row, dof, dof)
-          .template selfadjointView<Eigen::Upper>()
-          .rankUpdate(of_part, weight / static_cast<double>(of_part.cols()));
+      const double share = weight / static_cast<double>(of_part.cols());
+      // Eigen takes a matrix of one row for a vector, and reads beyond it.
+      if constexpr (Part::Dof == 1) {
+        sum(row, row) += share * of_part.squaredNorm();
+      } else {
+        sum.block(row, row, dof, dof)
+            .template selfadjointView<Eigen::Upper>()
+            .rankUpdate(of_part, share);
+      }
       row += dof;
     }
   }
@@ -222,11 +228,11 @@ Moments<ConcentratedGaussian<G>> moments(
     std::span<const Component<ConcentratedGaussian<G>>> components,
     const MomentSettings& settings = {}) {
   require(!components.empty(), "moments: there is no component");
-  const double log_total = checked_log_total(components);
+  const internal::LogScale scale = internal::checked_log_scale(components);
   std::vector<double> weights;
   std::vector<const ConcentratedGaussian<G>*> densities;
   for (const auto& component : components) {
-    const double weight = std::exp(component.log_weight - log_total);
+    const double weight = std::exp(scale(component.log_weight));
     if (weight == 0.0) continue;
     weights.push_back(weight);
     densities.push_back(&component.density);

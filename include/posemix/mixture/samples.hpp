@@ -62,6 +62,7 @@ template <class D, class Next>
 std::vector<typename D::Group> samples_of(std::vector<Draws<D>>& of, std::size_t count,
                                           RandomStream& stream, const Next& next) {
   using G = typename D::Group;
+  check_count(count, "count");
   std::vector<G> result;
   if constexpr (is_drawn_in_blocks<D>) {
     constexpr std::size_t kBlock = 256;

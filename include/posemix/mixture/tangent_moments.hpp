@@ -105,12 +105,12 @@ TangentGaussian<G> tangent_moments(std::span<const Component<ConcentratedGaussia
                                    const G& anchor,
                                    TransportJacobian jacobian = TransportJacobian::exact) {
   require(!components.empty(), "tangent_moments: there is no component");
-  const double log_total = checked_log_total(components);
+  const internal::LogScale scale = internal::checked_log_scale(components);
   const G inverse = anchor.inverse();
   std::vector<internal::SeenFrom<G>> parts;
   parts.reserve(components.size());
   for (const auto& component : components) {
-    const double weight = std::exp(component.log_weight - log_total);
+    const double weight = std::exp(scale(component.log_weight));
     if (weight == 0.0) continue;
     parts.push_back({weight, &component.density, (component.density.mean() * inverse).log()});
   }
