@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include "lie/checked_noise.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/lie/pose_checks.hpp"
 #include "view_turn.hpp"
@@ -119,7 +120,7 @@ void check_dependence(NoiseDependence& dependence) {
   }
   if (dependence.common) {
     const std::string name = "detector noise: covariance of the error in common";
-    check_noise(*dependence.common, name);
+    dependence.common = internal::checked_noise(*dependence.common, name);
   }
   require_number(dependence.mode_time_s, 0.0, true, "mode time");
 }

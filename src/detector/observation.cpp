@@ -25,7 +25,9 @@ void check_covariance(const Matrix6d& covariance) {
   const double largest = covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kAsymmetry * largest)
     throw InvalidInput("covariance is not symmetric");
-  if (Eigen::LLT<Matrix6d>(covariance).info() != Eigen::Success)
+  Matrix6d symmetric = covariance;
+  symmetrize(symmetric);
+  if (Eigen::LLT<Matrix6d>(symmetric).info() != Eigen::Success)
     throw InvalidInput("covariance is not positive definite");
 }
 

@@ -16,20 +16,23 @@ namespace {
 /// Of eigenvalues and of rows of zero variance, for a matrix whose variances are scaled to one.
 constexpr double kRounding = 1e-9;
 
-/// Whether the eigenvalues are not negative, whatever the units of the rows: scaled to ones on the
-/// diagonal. A row of zero variance must be zero.
+/// Whether the eigenvalues of a symmetric matrix are not negative, whatever the units of the rows:
+/// scaled to ones on the diagonal. A row of zero variance must be zero up to rounding, which is a
+/// part of the largest variance there and of that of the column.
 bool is_semidefinite(const Matrix6d& covariance) {
   if (covariance.diagonal().minCoeff() < 0.0) return false;
   if (Eigen::LLT<Matrix6d>(covariance).info() == Eigen::Success) return true;
   const Vector6d scale =
       covariance.diagonal().unaryExpr([](double v) { return v > 0.0 ? 1.0 / std::sqrt(v) : 0.0; });
-  Matrix6d scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
-  const double largest = covariance.cwiseAbs().maxCoeff();
+  const Matrix6d scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const double largest = covariance.diagonal().maxCoeff();
+  const Vector6d rounding =
+      kRounding *
+      (largest * covariance.diagonal().cwiseMax(kRounding * kRounding * largest)).cwiseSqrt();
   for (Eigen::Index i = 0; i < 6; ++i) {
-    if (scale[i] == 0.0 && covariance.row(i).cwiseAbs().maxCoeff() > kRounding * largest)
+    if (scale[i] == 0.0 && (covariance.col(i).cwiseAbs().array() > rounding.array()).any())
       return false;
   }
-  symmetrize(scaled);
   return Eigen::SelfAdjointEigenSolver<Matrix6d>(scaled, Eigen::EigenvaluesOnly).eigenvalues()[0] >=
          -kRounding;
 }
@@ -67,7 +70,9 @@ void check_noise(const Matrix6d& covariance, std::string_view name) {
   const double largest = covariance.cwiseAbs().maxCoeff();
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > kRounding * largest)
     throw InvalidInput(fmt::format("{} is not symmetric", name));
-  if (!is_semidefinite(covariance))
+  Matrix6d symmetric = covariance;
+  symmetrize(symmetric);
+  if (!is_semidefinite(symmetric))
     throw InvalidInput(fmt::format("{} is not positive semidefinite", name));
 }
 

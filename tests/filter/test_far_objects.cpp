@@ -89,6 +89,30 @@ INSTANTIATE_TEST_SUITE_P(Trips, FarObjects,
                                            Trip{0.5, 1e6, 10000}, Trip{90.0, 5e4, 500},
                                            Trip{90.0, 1e6, 10000}));
 
+/// Of an object that is new to the filter nothing is known that would be near the camera.
+TEST(FarObjectsOfASession, StayAsTheyAreWhereAnotherIsAddedFarAway) {
+  for (const double distance : {1e4, 1e6, 1e8}) {
+    OrbitScene scene(3, 3, 0.05, 6e-4);
+    MultiObjectFilter filter({scene.camera, about(scene.camera.translation(), 20.0, 0.005)},
+                             std::vector<ObjectSensor>(3, {testing::ray_noise()}), {});
+    for (int k = 0; k < 10; ++k) {
+      filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
+      see(filter, scene, 3);
+    }
+    const auto before = filter.leading_estimates();
+    const SE3d there(SO3d(), {0.0, 0.0, distance});
+    filter.predict_with_odometry(there, scene.q, 0.1);
+    filter.add_object({testing::ray_noise()});
+    for (std::size_t j = 0; j < 3; ++j) {
+      const Matrix6d& stated = before[j]->world.covariance();
+      const Matrix6d now = filter.leading_estimates()[j]->world.covariance();
+      EXPECT_LT((now - stated).norm(), 1e-12 * stated.norm()) << distance;
+      for (const ObjectHypothesis& h : filter.hypotheses(j))
+        EXPECT_NO_THROW(ConcentratedGaussian<SE3d>(h.pose, h.covariance)) << distance;
+    }
+  }
+}
+
 /// The shelf is known far from where the robot begins, which is told later to be near it.
 TEST(KnownObjectsFarAway, KeepWhatIsKnownOfThem) {
   for (const double distance : {3e5, 9e5}) {

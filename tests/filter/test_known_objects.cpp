@@ -137,6 +137,25 @@ TEST(LostCamera, IsIndependentOfTheMapAfterALongPause) {
   EXPECT_LT(apart(filter.camera().mean(), camera), 0.05);
 }
 
+// What the position loses is the noise's, and nothing is rounding of a rotation about the origin.
+TEST(LostCamera, IsWhereItWasHoweverWideTheNoiseIs) {
+  const SE3d camera(SO3d::exp({0.4, -1.0, 0.3}), {-0.3, 12.0, 4.0});
+  const SE3d to_camera(SO3d(), -camera.translation());
+  for (const double wide : {1e1, 1e4, 1e6, 1e8}) {
+    MultiObjectFilter filter({camera, isotropic(1.0, 0.01)}, {{tag_noise()}}, plain_settings());
+    const auto position = [&] {
+      const Matrix6d near = to_camera.adjoint_congruence(filter.camera().covariance());
+      return Eigen::Matrix3d(near.bottomRightCorner<3, 3>());
+    };
+    const Eigen::Matrix3d before = position();
+    Matrix6d q = isotropic(3.0, 0.02);
+    q(1, 1) = wide * wide;
+    filter.predict_random_walk(q, 1.0);
+    EXPECT_LT((position() - before - 4e-4 * Eigen::Matrix3d::Identity()).norm(), 1e-9) << wide;
+    EXPECT_NO_THROW(ConcentratedGaussian<SE3d>(camera, filter.camera().covariance())) << wide;
+  }
+}
+
 // A known tag with two poses places the camera at two places, and the one with more weight leads
 // until another view decides.
 TEST(LostCamera, HasAStateForEveryComponent) {

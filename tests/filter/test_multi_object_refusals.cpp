@@ -84,6 +84,29 @@ TEST(MultiObjectFilter, RefusesANoiseThatIsNegativeInSomeDirectionAndStaysAsItWa
   refused("covariance of the motion at rest", [&] { moved(good, good, bad); });
 }
 
+// An entry that is rounding beside the largest one, and not beside the variances of its row and its
+// column.
+TEST(MultiObjectFilter, ComputesWithTheSymmetricPartOfANoise) {
+  Matrix6d upper = isotropic(1.0, 0.01);
+  upper(4, 4) = 1e8;
+  const double most = std::sqrt(upper(0, 0) * upper(5, 5));
+  upper(0, 5) = 1.5 * most;
+  Matrix6d symmetric = upper;
+  symmetrize(symmetric);
+  const auto after = [](const Matrix6d& q) {
+    MultiObjectFilter filter = filter_that_has_seen();
+    filter.predict_with_odometry(SE3d(), q, 0.1);
+    filter.predict_random_walk(q, 0.1);
+    filter.predict_constant_velocity(1.0, q, q, q, 0.1);
+    return Eigen::MatrixXd(filter.joint().covariance());
+  };
+  EXPECT_EQ(after(upper), after(symmetric));
+  EXPECT_EQ(after(upper.transpose()), after(symmetric));
+  upper(0, 5) = 3.0 * most;
+  EXPECT_THROW(after(upper), InvalidInput);
+  EXPECT_THROW(after(upper.transpose()), InvalidInput);
+}
+
 TEST(MultiObjectFilter, RefusesWhatIsFartherThanAnythingAndStaysAsItWas) {
   MultiObjectFilter filter = filter_that_has_seen();
   const Eigen::MatrixXd before = filter.joint().covariance();
@@ -141,6 +164,73 @@ TEST(MultiObjectFilter, IsDefiniteForAnyPriorThatItTakesAndRefusesOthers) {
               }),
               "the prior" + why);
     EXPECT_EQ(filter.object_count(), 1U);
+  }
+}
+
+TEST(MultiObjectFilter, IsDefiniteForAnyNoiseThatItTakesAndRefusesOthers) {
+  const auto sensor_of = [](double slow_m) {
+    const Matrix6d noise = isotropic(1e-3, 1e-3);
+    Matrix6d slow = noise;
+    slow(4, 4) = slow_m * slow_m;
+    return ObjectSensor{DetectorNoise({NoiseComponent{1.0, noise}}, Clutter{0.01, 1.0},
+                                      {.slow = SlowError{.covariance = slow}})};
+  };
+  const SE3d seen(SO3d::exp({0.2, 0.3, 1.0}), {0.1, 0.2, 0.5});
+  for (const double wide : {1e-1, 1e1, 1e2, 1e3, 3e3}) {
+    MultiObjectFilter filter({SE3d(), isotropic(1e-3, 1e-3)}, {sensor_of(wide)}, {});
+    for (int frame = 0; frame < 5; ++frame) {
+      filter.update(0, seen);
+      filter.predict_with_odometry(SE3d(SO3d(), {0.01, 0.0, 0.0}), isotropic(1e-3, 1e-3), 0.1);
+      EXPECT_GT(definiteness(filter), 0.0) << wide;
+    }
+  }
+  const std::string why =
+      "the slow error of a detector has a standard deviation of 1e+04 m and the detection one of "
+      "0.001 m; expected at most 3.2e+06 times as much, which double precision holds";
+  const ObjectSensor refused = sensor_of(1e4);
+  EXPECT_EQ(thrown_message([&] {
+              MultiObjectFilter({SE3d(), isotropic(1e-3, 1e-3)}, {refused}, {});
+            }),
+            why);
+  ObjectSensor second = sensor_of(1.0);
+  second.other_detectors.push_back(refused.noise);
+  MultiObjectFilter filter({SE3d(), isotropic(1e-3, 1e-3)}, {sensor_of(1.0)}, {});
+  for (const ObjectSensor& sensor : {refused, second})
+    EXPECT_EQ(thrown_message([&] { filter.add_object(sensor); }), why);
+  Matrix6d wide = isotropic(1e-3, 1e-3);
+  wide(4, 4) = 1e8;
+  const ObjectSensor uneven{DetectorNoise({NoiseComponent{1.0, wide}}, Clutter{0.01, 1.0})};
+  EXPECT_EQ(thrown_message([&] { filter.add_object(uneven); }),
+            "a component of a detector's noise has a standard deviation of 1e+04 m and the "
+            "detection one of 0.001 m; expected at most 3.2e+06 times as much, which double "
+            "precision holds");
+  EXPECT_EQ(filter.object_count(), 1U);
+}
+
+/// Odometry that is lost in one direction, and detections that go on: rounding leaves nothing of
+/// the camera, and so nothing that would tell of the noise, but numbers.
+TEST(MultiObjectFilter, GoesOnWhereTheCameraIsKnownFarWorseThanADetection) {
+  const DetectorNoise noise({{1.0, isotropic(3.0, 0.01), NoiseFrame::ray}},
+                            {.weight = 0.05, .volume_m3 = 0.013});
+  const auto at = [](double turn, double x, double y, double z) {
+    return SE3d(SO3d::exp({0.6, turn, -0.7}), {x, y, z});
+  };
+  for (const double wide : {1e6, 1e7, 9e7}) {
+    for (int aside = 0; aside < 10; ++aside) {
+      MultiObjectFilter filter({at(-1.5, -0.4, 0.3, 1.0), isotropic(3.0, 0.05)}, {{noise}, {noise}},
+                               {});
+      filter.update(0, at(0.2, 0.3, 0.9, -0.4));
+      Matrix6d q = isotropic(0.6, 0.01);
+      q(3, 3) = wide * wide;
+      filter.predict_with_odometry(SE3d(SO3d(), {0.01 * aside, -0.05, -0.08}), q, 0.1);
+      for (int k = 0; k < 4; ++k) {
+        const std::size_t object = k % 2 == 0 ? 0 : 1;
+        filter.update(object, at(0.6 - 0.5 * k, -0.8, 0.2 + 0.2 * k, 0.3));
+        EXPECT_TRUE(filter.noise_scale(object).allFinite()) << wide << ' ' << aside << ' ' << k;
+        for (const ObjectHypothesis& h : filter.hypotheses(object))
+          EXPECT_TRUE(h.covariance.allFinite()) << wide << ' ' << aside << ' ' << k;
+      }
+    }
   }
 }
 

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <limits>
+
+#include "filter/precision.hpp"
 #include "filters.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
@@ -7,13 +10,77 @@
 namespace posemix::fuzzing {
 namespace {
 
-void expect_sound(const MultiObjectFilter& filter) {
-  expect_density(filter.camera(), "the camera");
+/// Covariances are definite while no pose is known so much worse than a detector sees it that
+/// double precision holds nothing of the detection beside it, about any place that counts: its own,
+/// that of the camera and the origin of the world. What is left beyond is finite
+/// (docs/reliability.md).
+class Precision {
+ public:
+  /// What a detector sees [rad^2, m^2].
+  void see(const Matrix6d& noise) {
+    for (const int at : {0, 3}) {
+      const auto variances = noise.diagonal().segment<3>(at);
+      finest_[at] = std::min(finest_[at], variances.minCoeff());
+      widest_[at] = std::max(widest_[at], variances.maxCoeff());
+    }
+  }
+  /// What is known before a detection, which the origin of the filter's world follows.
+  void begin_detection(const MultiObjectFilter& filter) {
+    const Eigen::Vector3d camera = filter.camera().mean().translation();
+    is_far_ = is_far_ || camera.norm() > internal::kFarFromOrigin_m;
+    for_each_pose(filter,
+                  [&](const SE3d&, const Matrix6d& covariance) { widen(camera, covariance); });
+  }
+  void end_step(const MultiObjectFilter& filter) {
+    for (std::size_t object = 0; object < filter.object_count(); ++object) {
+      for (const NoiseComponent& component : filter.sensor(object).noise.components())
+        see(component.covariance);
+    }
+    for_each_pose(filter, [&](const SE3d& pose, const Matrix6d& covariance) {
+      widen(pose.translation(), covariance);
+      widen(Eigen::Vector3d::Zero(), covariance);
+    });
+  }
+  bool is_left() const {
+    const double most = is_far_ ? kLargestRatioFar : internal::kLargestVarianceRatio;
+    return widest_[0] <= most * finest_[0] && widest_[3] <= most * finest_[3];
+  }
+
+ private:
+  /// Of variances, where the origin of the filter's world was not that of the caller's.
+  static constexpr double kLargestRatioFar = 1e10;
+
+  template <class Do>
+  static void for_each_pose(const MultiObjectFilter& filter, const Do& act) {
+    act(filter.camera().mean(), filter.camera().covariance());
+    for (std::size_t object = 0; object < filter.object_count(); ++object) {
+      for (const ObjectHypothesis& hypothesis : filter.hypotheses(object))
+        act(hypothesis.pose, hypothesis.covariance);
+    }
+  }
+  void widen(const Eigen::Vector3d& place, const Matrix6d& covariance) {
+    const Matrix6d there = SE3d(SO3d(), -place).adjoint_congruence(covariance);
+    for (const int at : {0, 3})
+      widest_[at] = std::max(widest_[at], there.diagonal().segment<3>(at).maxCoeff());
+  }
+
+  Vector6d widest_ = Vector6d::Zero();
+  Vector6d finest_ = Vector6d::Constant(std::numeric_limits<double>::infinity());
+  bool is_far_ = false;
+};
+
+void expect_sound(const MultiObjectFilter& filter, bool is_definite) {
+  const auto expect_of = [&](const auto& covariance, const std::string& what) {
+    if (is_definite) return expect_covariance(covariance, what);
+    expect(covariance.allFinite(), what + ": a covariance that is not finite");
+  };
+  expect_pose(filter.camera().mean());
+  expect_of(filter.camera().covariance(), "the camera");
   for (std::size_t object = 0; object < filter.object_count(); ++object) {
     double sum = std::exp(filter.log_absent(object));
     for (const ObjectHypothesis& hypothesis : filter.hypotheses(object)) {
       expect_pose(hypothesis.pose);
-      expect_covariance(hypothesis.covariance, "a hypothesis");
+      expect_of(hypothesis.covariance, "a hypothesis");
       expect(hypothesis.probability >= 0.0 && hypothesis.probability <= 1.0 + 1e-9,
              "a probability that is none");
       sum += std::exp(hypothesis.log_weight);
@@ -21,7 +88,7 @@ void expect_sound(const MultiObjectFilter& filter) {
     expect(std::abs(sum - 1.0) < 1e-6, "weights of an object and its absence whose sum is not one");
     expect(filter.noise_scale(object).allFinite(), "a scale of noise that is not finite");
   }
-  expect_covariance(filter.joint().covariance(), "the joint Gaussian");
+  expect_of(filter.joint().covariance(), "the joint Gaussian");
 }
 
 MultiObjectSettings multi_object_settings(Input& input) {
@@ -36,7 +103,7 @@ MultiObjectSettings multi_object_settings(Input& input) {
   return settings;
 }
 
-void step(MultiObjectFilter& filter, Input& input) {
+void step(MultiObjectFilter& filter, Input& input, Precision& precision) {
   const double dt = input.scale(0.1);
   switch (input.below(8)) {
     case 0:
@@ -49,7 +116,7 @@ void step(MultiObjectFilter& filter, Input& input) {
                                               input.covariance(0.1, 0.1), dt);
     case 3:
       filter.set_camera(ConcentratedGaussian<SE3d>(input.pose(), input.covariance(0.01, 0.01)), dt);
-      return;
+      return precision.begin_detection(filter);
     case 4:
       filter.forget(input.below(4));
       return;
@@ -57,11 +124,17 @@ void step(MultiObjectFilter& filter, Input& input) {
       if (filter.object_count() < 4) filter.add_object({noise_from(input)});
       return;
     case 6:
+      precision.begin_detection(filter);
       filter.update(input.below(4), input.pose());
       return;
     default:
-      filter.update(input.below(4), observation_from(input),
-                    {.body_camera = input.flag() ? input.pose(0.1) : SE3d()});
+      precision.begin_detection(filter);
+      const std::size_t object = input.below(4);
+      const Observation observation = observation_from(input);
+      const SE3d body_camera = input.flag() ? input.pose(0.1) : SE3d();
+      filter.update(object, observation, {.body_camera = body_camera});
+      for (const ObservationComponent& component : observation.components)
+        if (component.covariance) precision.see(*component.covariance);
   }
 }
 
@@ -73,8 +146,13 @@ POSEMIX_FUZZ_TARGET(multi_object) {
     const ConcentratedGaussian<SE3d> camera(input.pose(), input.covariance(0.05, 0.05));
     MultiObjectFilter filter(camera, {{noise_from(input)}, {noise_from(input)}},
                              multi_object_settings(input));
+    Precision precision;
     for (int k = 0; k < kMostSteps && !input.empty(); ++k) {
-      if (does([&] { return bits_of(filter); }, [&] { step(filter, input); })) expect_sound(filter);
+      Precision next = precision;
+      if (!does([&] { return bits_of(filter); }, [&] { step(filter, input, next); })) continue;
+      next.end_step(filter);
+      precision = next;
+      expect_sound(filter, precision.is_left());
     }
   } catch (const InvalidInput&) {
     return;  // settings, models or a prior that were refused

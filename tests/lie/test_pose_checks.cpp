@@ -82,6 +82,29 @@ TEST(PoseChecks, ANoiseHasNoNegativeVarianceInAnyDirection) {
   noise(2, 2) = 0.0;
   noise(2, 3) = noise(3, 2) = 0.01;
   EXPECT_EQ(refused(noise), "it is not positive semidefinite");
+  // Rounding beside the largest entry, and not beside the two variances: what counts is the mean of
+  // the two mirror images.
+  noise = Matrix6d::Identity();
+  noise(4, 4) = 1e10;
+  for (const double entry : {1.9, 2.1}) {
+    for (const bool above : {false, true}) {
+      noise(0, 5) = above ? entry : 0.0;
+      noise(5, 0) = above ? 0.0 : entry;
+      if (entry < 2.0)
+        EXPECT_NO_THROW(check_noise(noise, "it")) << above;
+      else
+        EXPECT_EQ(refused(noise), "it is not positive semidefinite") << above;
+    }
+  }
+  // Beside a variance of zero an entry is rounding in the units of its own row, whatever the
+  // largest one is.
+  noise = Matrix6d::Identity();
+  noise(4, 4) = 1e10;
+  noise(2, 2) = 0.0;
+  noise(2, 3) = noise(3, 2) = 1e-3;
+  EXPECT_EQ(refused(noise), "it is not positive semidefinite");
+  noise(2, 3) = noise(3, 2) = 1e-5;
+  EXPECT_NO_THROW(check_noise(noise, "it"));
   // What counts as rounding beside a variance of zero is a part of the largest entry, in any units.
   for (const double unit : {1e-6, 1.0, 1e6}) {
     noise = unit * Matrix6d::Identity();

@@ -155,7 +155,9 @@ struct ObjectUpdateReport {
 /// Invariants: covariances are symmetric positive definite; the weights of an object's hypotheses
 /// and of its absence sum to one; every object with hypotheses has one that leads.
 ///
-/// The origin of the world may be anywhere: all is computed near the camera.
+/// The origin of the world may be anywhere: all is computed near the camera. Where a pose becomes
+/// known 3e6 times worse than a detector sees it covariances are finite, and nothing else is
+/// promised (docs/reliability.md, "Definite, or finite").
 ///
 /// All functions throw InvalidInput, and change nothing, as check_pose for a pose, as check_noise
 /// for a noise, for a density so far from the origin that rounding leaves nothing of its
@@ -164,7 +166,8 @@ struct ObjectUpdateReport {
 class MultiObjectFilter {
  public:
   /// @throws InvalidInput when a setting is out of range, as check_pose and check_variances for the
-  /// camera, and when the camera's standard deviation is more than 3e6 times that of a noise
+  /// camera, and when the standard deviation of the camera, or of a slow error or component of a
+  /// detector's noise, is more than 3e6 times that of a component
   MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
                     const std::vector<ObjectSensor>& objects, const MultiObjectSettings& settings);
   MultiObjectFilter(const MultiObjectFilter&);
@@ -213,7 +216,8 @@ class MultiObjectFilter {
   /// the beginning, which is as any other. With a motion it is put down elsewhere now and then
   /// (docs/many-objects.md, "Objects that are put down elsewhere"); a rate of zero is none.
   /// @throws InvalidInput as check_pose and check_variances for the prior, when it is 3e6 times as
-  /// wide as a noise or its probability is not in (0, 1], and as validate(motion)
+  /// wide as a noise or its probability is not in (0, 1], for a noise as the constructor, and as
+  /// validate(motion)
   std::size_t add_object(ObjectSensor object, const std::optional<ObjectPrior>& prior = {},
                          const std::optional<PutDownMotion>& motion = {});
 

@@ -23,7 +23,8 @@ void check_variances(const Matrix6d& covariance, std::string_view name);
 
 /// Checks the covariance of a noise, which may be zero in some directions.
 /// @throws InvalidInput as check_variances, and when the matrix is not symmetric up to rounding
-/// (1e-9 of its largest entry) or not positive semidefinite
+/// (1e-9 of its largest entry) or its symmetric part is not positive semidefinite. That is what is
+/// to be computed with: beside a large variance 1e-9 of it is more than small ones.
 void check_noise(const Matrix6d& covariance, std::string_view name);
 
 }  // namespace posemix

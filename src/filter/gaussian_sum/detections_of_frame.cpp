@@ -10,6 +10,7 @@
 #include "innovation_score.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/lie/pose_checks.hpp"
+#include "scene_frame.hpp"
 
 namespace posemix::internal {
 
@@ -40,10 +41,15 @@ void check_detections(std::span<const Detection> detections, std::size_t poses) 
 
 void check_precision(const Posterior& prior, std::size_t pose, const DetectorNoise& noise) {
   const char* name = pose == kCamera ? "the pose of the camera" : "the pose of the object";
+  // An update is computed near the scene, and kept in the world: both have to hold the noise.
+  const auto origin = scene_origin(prior);
+  const WorldShift near(origin ? Eigen::Vector3d(-*origin) : Eigen::Vector3d::Zero());
   for (const auto& hypothesis : prior.components()) {
     const Matrix6d covariance = block(hypothesis.density.covariance(), pose, pose);
-    for (const NoiseComponent& component : noise.components())
+    for (const NoiseComponent& component : noise.components()) {
       require_precision(covariance, component.covariance, name);
+      if (origin) require_precision(near(covariance), component.covariance, name);
+    }
   }
 }
 

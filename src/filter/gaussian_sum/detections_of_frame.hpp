@@ -21,7 +21,8 @@ double gate_threshold(double probability);
 /// is detected twice, or as check_pose
 void check_detections(std::span<const Detection> detections, std::size_t poses);
 
-/// A pose before a detection may be no more uncertain than rounding allows.
+/// A pose before a detection may be no more uncertain than rounding allows, in the world and near
+/// the scene, where the update is computed.
 /// @throws InvalidInput as require_precision
 void check_precision(const Posterior& prior, std::size_t pose, const DetectorNoise& noise);
 

@@ -103,6 +103,7 @@ GaussianSumFilter::GaussianSumFilter(Posterior prior, GaussianSumSettings settin
 }
 
 void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& motion) {
+  require(static_cast<bool>(motion), "filter: predict is given no motion");
   std::vector<Component<Hypothesis>> hypotheses;
   hypotheses.reserve(posterior_.size());
   for (const auto& before : posterior_.components())

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "lie/checked_noise.hpp"
 #include "posemix/lie/pose_blocks.hpp"
 #include "posemix/lie/pose_checks.hpp"
 
@@ -28,11 +29,11 @@ void check_holds(const Hypothesis& hypothesis, std::size_t index, const char* wh
 
 Hypothesis predict_with_odometry(Hypothesis hypothesis, const SE3d& motion, const Matrix6d& q) {
   check_pose(motion, "odometry");
-  check_noise(q, "noise of the odometry");
+  const Matrix6d noise = internal::checked_noise(q, "noise of the odometry");
   check_holds(hypothesis, kCamera, "the camera");
   auto [mean, covariance] = std::move(hypothesis).release();
   mean[kCamera] = mean[kCamera] * motion;
-  add_noise(covariance, kCamera, mean[kCamera], q);
+  add_noise(covariance, kCamera, mean[kCamera], noise);
   return Hypothesis::trusted(std::move(mean), std::move(covariance));
 }
 
@@ -48,8 +49,8 @@ Matrix6d constant_velocity_transfer(const SE3d& camera, const SE3d& motion, doub
 
 Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, const Matrix6d& q,
                                      const Matrix6d& q_motion) {
-  check_noise(q, "noise of the pose");
-  check_noise(q_motion, "noise of the motion");
+  const Matrix6d noise = internal::checked_noise(q, "noise of the pose");
+  const Matrix6d motion_noise = internal::checked_noise(q_motion, "noise of the motion");
   kStamp.check(periods, "periods");
   check_holds(hypothesis, kMotion, "the motion of the camera");
   auto [mean, covariance] = std::move(hypothesis).release();
@@ -59,8 +60,8 @@ Hypothesis predict_constant_velocity(Hypothesis hypothesis, double periods, cons
   rows(covariance, kCamera) += transfer * rows(covariance, kMotion);
   columns(covariance, kCamera) += columns(covariance, kMotion) * transfer.transpose();
   mean[kCamera] = mean[kCamera] * SE3d::exp(periods * velocity);
-  add_noise(covariance, kCamera, mean[kCamera], q);
-  add_noise(covariance, kMotion, mean[kMotion], q_motion);
+  add_noise(covariance, kCamera, mean[kCamera], noise);
+  add_noise(covariance, kMotion, mean[kMotion], motion_noise);
   symmetrize(covariance);
   return Hypothesis::trusted(std::move(mean), std::move(covariance));
 }

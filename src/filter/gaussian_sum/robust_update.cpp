@@ -62,6 +62,7 @@ UpdateResult cauchy_update(const Hypothesis& prior, std::span<const Detection> d
         fmt::format("cauchy scale is {}, expected a positive number", settings.scale));
   require(noise.size() == detections.size(),
           "cauchy update: not as many noise components as detections, expected one for each");
+  require(static_cast<bool>(update), "cauchy update: there is no update to repeat");
   const auto lambda = [&](double squared) {
     return 1.0 + squared / (settings.scale * settings.scale);
   };

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "lie/checked_noise.hpp"
 #include "moving_object_state.hpp"
 #include "posemix/lie/pose_checks.hpp"
 
@@ -30,9 +31,11 @@ void check_moving_settings(const MovingObjectSettings& s) {
   kUnitInterval.check(s.slow_error_gain, "slow_error_gain");
 }
 
-void check_frame(const KnownFrame& frame, const char* name) {
+/// The frame with the symmetric part of its covariance.
+KnownFrame checked(KnownFrame frame, const char* name) {
   check_pose(frame.pose, fmt::format("the pose of {}", name));
-  check_noise(frame.covariance, "the covariance of a frame");
+  frame.covariance = internal::checked_noise(frame.covariance, "the covariance of a frame");
+  return frame;
 }
 
 void check_time(double time_s, const std::optional<double>& last) {
@@ -41,13 +44,14 @@ void check_time(double time_s, const std::optional<double>& last) {
     throw InvalidInput(fmt::format("the time is {} s, expected {} s or later", time_s, *last));
 }
 
-void check_frames(const std::vector<KnownFrame>& frames) {
-  for (const KnownFrame& frame : frames) check_frame(frame, "a frame");
+std::vector<KnownFrame> checked(std::vector<KnownFrame> frames) {
+  for (KnownFrame& frame : frames) frame = checked(frame, "a frame");
+  return frames;
 }
 
 }  // namespace
 
-void validate(const KnownFrame& frame) { check_frame(frame, "the frame"); }
+void validate(const KnownFrame& frame) { checked(frame, "the frame"); }
 
 KnownCamera exact_camera(const SE3d& world_camera) { return {.frame = {.pose = world_camera}}; }
 
@@ -85,21 +89,22 @@ MovingObjectReport MovingObjectFilter::update(const Observation& observation,
                                               const std::vector<KnownFrame>& frames) {
   validate(observation);
   check_time(observation.stamp_s, state_->time_s());
-  check_frame(camera.frame, "the camera");
-  check_noise(camera.constant_covariance, "the constant covariance of the camera");
-  check_frames(frames);
+  const KnownCamera seen_by{
+      .frame = checked(camera.frame, "the camera"),
+      .constant_covariance = internal::checked_noise(camera.constant_covariance,
+                                                     "the constant covariance of the camera")};
+  const std::vector<KnownFrame> known = checked(frames);
   if (frames.size() < state_->frames_needed()) {
     throw InvalidInput(fmt::format("{} frames are given, expected {} for the motion models",
                                    frames.size(), state_->frames_needed()));
   }
-  state_->advance(observation.stamp_s, frames);
-  return state_->update(observation, camera);
+  state_->advance(observation.stamp_s, known);
+  return state_->update(observation, seen_by);
 }
 
 void MovingObjectFilter::predict(double time_s, const std::vector<KnownFrame>& frames) {
   check_time(time_s, state_->time_s());
-  check_frames(frames);
-  state_->advance(time_s, frames);
+  state_->advance(time_s, checked(frames));
 }
 
 std::uint64_t MovingObjectFilter::observation_count() const { return state_->observations(); }
@@ -125,9 +130,9 @@ Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::object_mixture() const {
 Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::relative_mixture(
     const KnownCamera& camera) const {
   require(state_->has_hypotheses(), "relative_mixture: the place of the object is not known");
-  check_frame(camera.frame, "the camera");
-  auto components = state_->components(camera.frame.covariance);
-  const SE3d to_camera = camera.frame.pose.inverse();
+  const KnownFrame frame = checked(camera.frame, "the camera");
+  auto components = state_->components(frame.covariance);
+  const SE3d to_camera = frame.pose.inverse();
   for (auto& component : components) {
     component.density = ConcentratedGaussian<SE3d>::trusted(
         to_camera * component.density.mean(),
@@ -138,9 +143,9 @@ Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::relative_mixture(
 
 ConcentratedGaussian<SE3d> MovingObjectFilter::relative(const KnownCamera& camera) const {
   require(state_->has_hypotheses(), "relative: the place of the object is not known");
-  check_frame(camera.frame, "the camera");
-  const ConcentratedGaussian<SE3d> world = state_->leading(camera.frame.covariance);
-  const SE3d to_camera = camera.frame.pose.inverse();
+  const KnownFrame frame = checked(camera.frame, "the camera");
+  const ConcentratedGaussian<SE3d> world = state_->leading(frame.covariance);
+  const SE3d to_camera = frame.pose.inverse();
   return ConcentratedGaussian<SE3d>::trusted(to_camera * world.mean(),
                                              to_camera.adjoint_congruence(world.covariance()));
 }
@@ -148,16 +153,15 @@ ConcentratedGaussian<SE3d> MovingObjectFilter::relative(const KnownCamera& camer
 ConcentratedGaussian<SE3d> MovingObjectFilter::predicted_detection(
     const KnownCamera& camera) const {
   require(state_->has_hypotheses(), "predicted_detection: the place of the object is not known");
-  check_frame(camera.frame, "the camera");
-  return state_->predicted_detection(camera.frame);
+  return state_->predicted_detection(checked(camera.frame, "the camera"));
 }
 
 void MovingObjectFilter::move_world(const SE3d& by, const Matrix6d& added,
                                     const Matrix6d& constant) {
   check_pose(by, "the motion of the world");
-  check_noise(added, "the covariance of a motion of the world");
-  check_noise(constant, "the constant covariance of the camera");
-  state_->move_world(by, added, constant);
+  const Matrix6d noise = internal::checked_noise(added, "the covariance of a motion of the world");
+  state_->move_world(by, noise,
+                     internal::checked_noise(constant, "the constant covariance of the camera"));
 }
 
 Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::predict_to(

@@ -133,7 +133,11 @@ WeighedObservation weigh(const Observation& observation, const ObjectSensor& sen
     component.weight = std::pow(component.weight, share);
     total += component.weight;
   }
-  for (ObservationComponent& component : result.components) component.weight /= total;
+  for (ObservationComponent& component : result.components) {
+    component.weight /= total;
+    // Beside a large variance a mirror image may differ by more than small ones (validate()).
+    if (component.covariance) symmetrize(*component.covariance);
+  }
   if (observation.clutter) {
     result.object_weight = (1.0 - *observation.clutter) / (1.0 - clutter.weight);
     result.log_clutter = std::log(*observation.clutter) -

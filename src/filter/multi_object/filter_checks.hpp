@@ -9,14 +9,14 @@
 
 #include "filter/precision.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/detector/object_sensor.hpp"
 
 /// What callers of MultiObjectFilter give.
 namespace posemix::internal {
 
 inline void require_object(std::size_t object, std::size_t objects) {
-  if (object >= objects)
-    throw InvalidInput(fmt::format("there is no object {}; there are {}", object, objects));
+  check_index(object, objects, "object");
 }
 
 inline void require_detector(std::size_t detector, std::size_t detectors) {
@@ -47,6 +47,21 @@ inline void require_precision(const Matrix6d& prior, const ObjectSensor& sensor,
   const auto check = [&](const DetectorNoise& noise) {
     for (const NoiseComponent& component : noise.components())
       require_precision(prior, component.covariance, name);
+  };
+  check(sensor.noise);
+  for (const DetectorNoise& other : sensor.other_detectors) check(other);
+}
+
+/// The same of what a detector's noise itself holds: its slow error, and components.
+inline void require_noise_precision(const ObjectSensor& sensor) {
+  const auto check = [](const DetectorNoise& noise) {
+    const auto& slow = noise.dependence().slow;
+    for (const NoiseComponent& fine : noise.components()) {
+      if (slow)
+        require_precision(slow->covariance, fine.covariance, "the slow error of a detector");
+      for (const NoiseComponent& wide : noise.components())
+        require_precision(wide.covariance, fine.covariance, "a component of a detector's noise");
+    }
   };
   check(sensor.noise);
   for (const DetectorNoise& other : sensor.other_detectors) check(other);

@@ -73,11 +73,16 @@ struct Following {
 };
 
 /// Eq. (6): all coordinates follow the first ones, of covariance `prior` and joint rows `rows`, the
-/// covariance of which becomes `other`.
+/// covariance of which becomes `other`. Of a camera known far worse than detections rounding may
+/// leave no factor: there what is left of each pose alone decides.
 template <typename Prior, typename Rows, typename Other>
 Following following(const MatrixXd& covariance, const Prior& prior, const Rows& rows,
                     const Other& other) {
-  Following result{prior.llt().solve(rows).transpose(), covariance};
+  const Eigen::LLT<Prior> factor(prior);
+  const bool has_factor = factor.info() == Eigen::Success;
+  Following result{has_factor ? MatrixXd(factor.solve(rows).transpose())
+                              : MatrixXd(RegularFactor(prior).solve(rows).transpose()),
+                   covariance};
   result.covariance.noalias() += result.by * (other - prior) * result.by.transpose();
   return result;
 }

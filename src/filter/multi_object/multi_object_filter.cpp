@@ -9,6 +9,7 @@
 
 #include "filter_checks.hpp"
 #include "global_hypotheses.hpp"
+#include "lie/checked_noise.hpp"
 #include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
@@ -34,8 +35,10 @@ MultiObjectFilter::MultiObjectFilter(const ConcentratedGaussian<SE3d>& camera,
   const Eigen::Vector3d origin = origin_near(camera.mean().translation(), Eigen::Vector3d::Zero());
   const auto near = WorldShift(-origin)(camera);
   state_ = std::make_unique<GlobalHypotheses>(MultiObjectState(near, objects, settings), origin);
-  for (const ObjectSensor& object : objects)
+  for (const ObjectSensor& object : objects) {
     require_precision(near.covariance(), object, "the pose of the camera");
+    require_noise_precision(object);
+  }
 }
 
 MultiObjectFilter::MultiObjectFilter(const MultiObjectFilter& other)
@@ -62,28 +65,29 @@ const MultiObjectState& MultiObjectFilter::current() const { return hypotheses_o
 
 void MultiObjectFilter::predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt) {
   check_pose(motion, "odometry");
-  check_noise(q, "noise of the odometry");
+  const Matrix6d noise = checked_noise(q, "noise of the odometry");
   check_step(dt);
   hypotheses_of_all().for_each(
-      [&](MultiObjectState& s) { s.predict_with_odometry(motion, q, dt); });
+      [&](MultiObjectState& s) { s.predict_with_odometry(motion, noise, dt); });
 }
 
 void MultiObjectFilter::predict_random_walk(const Matrix6d& q, double dt) {
-  check_noise(q, "noise of the random walk");
+  const Matrix6d noise = checked_noise(q, "noise of the random walk");
   check_step(dt);
-  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.predict_random_walk(q, dt); });
+  hypotheses_of_all().for_each([&](MultiObjectState& s) { s.predict_random_walk(noise, dt); });
 }
 
 void MultiObjectFilter::predict_constant_velocity(double periods, const Matrix6d& q,
                                                   const Matrix6d& q_motion, const Matrix6d& at_rest,
                                                   double dt) {
-  check_noise(q, "noise of the pose");
-  check_noise(q_motion, "noise of the motion");
-  check_noise(at_rest, "covariance of the motion at rest");
+  const Matrix6d noise = checked_noise(q, "noise of the pose");
+  const Matrix6d motion_noise = checked_noise(q_motion, "noise of the motion");
+  const Matrix6d resting = checked_noise(at_rest, "covariance of the motion at rest");
   check_step(dt);
   kStamp.check(periods, "periods");
-  hypotheses_of_all().for_each(
-      [&](MultiObjectState& s) { s.predict_constant_velocity(periods, q, q_motion, at_rest, dt); });
+  hypotheses_of_all().for_each([&](MultiObjectState& s) {
+    s.predict_constant_velocity(periods, noise, motion_noise, resting, dt);
+  });
 }
 
 void MultiObjectFilter::set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt) {
@@ -138,6 +142,7 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::extrinsic(std::size_t camera) cons
 std::size_t MultiObjectFilter::add_object(ObjectSensor object,
                                           const std::optional<ObjectPrior>& prior,
                                           const std::optional<PutDownMotion>& motion) {
+  require_noise_precision(object);
   std::optional<ObjectPrior> near = prior;
   const Eigen::Vector3d origin = hypotheses_of_all().origin_for_camera();
   if (prior) {
@@ -152,7 +157,8 @@ std::size_t MultiObjectFilter::add_object(ObjectSensor object,
     }
   }
   if (motion) validate(*motion);
-  hypotheses_of_all().move_origin_to(origin);
+  // An object of which nothing is known leaves the origin to the next detection, as predictions do.
+  if (prior) hypotheses_of_all().move_origin_to(origin);
   hypotheses_of_all().for_each([&](MultiObjectState& s) { s.add_object(object, near, motion); });
   return object_count() - 1;
 }

@@ -176,8 +176,9 @@ struct MultiObjectState {
   WorldMoves moved_by_world() const;
   /// Erases a pose of the joint Gaussian.
   void erase(std::size_t pose_index);
-  /// A camera whose rotation is less certain than a uniform one becomes independent of all else.
-  void release_lost_camera();
+  /// A camera whose rotation is less certain than a uniform one with the noise `q` of a random walk
+  /// becomes independent of all else. Returns whether it did, and so has the noise.
+  bool lose_camera(const Matrix6d& q);
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   Alternatives births_of(const TrackedObject& object, const WeighedObservation& observation,
                          const Starters& may_start, double share, BirthPlaces* put_down = nullptr);

@@ -26,6 +26,14 @@ constexpr std::array<AxisGroup, 4> kGroups{{{0, 2}, {2, 1}, {3, 2}, {5, 1}}};
 /// the noise").
 double slow_scale(double noise_scale) { return std::min(1.0, std::pow(2.5 * noise_scale, 1.5)); }
 
+/// Whether more than rounding is left of the covariance of an innovation. Where a camera is known
+/// far worse than a detection sees it nothing is, and it tells nothing of the noise.
+bool is_precise(const Matrix6d& s) {
+  constexpr double kRounding = 1e-14;
+  const Vector6d factor = Cholesky6(s).factor().diagonal();
+  return (factor.array().square() > kRounding * s.diagonal().array().abs()).all();
+}
+
 /// The largest change of a log variance by one detection.
 constexpr double kLargestStep = 1.0;
 
@@ -102,6 +110,7 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
   const Innovation& inlier = update.explanation.inlier();
   const SE3d to_axes = inlier.axes.inverse();
   const Matrix6d s = to_axes.adjoint_congruence(inlier.covariance);
+  if (!is_precise(s)) return Vector6d::Ones();
   const Vector6d z = to_axes.adjoint_blocks().times(inlier.residual);
   const Matrix6d s_inverse = s.inverse();
   const Vector6d y = s_inverse * z;
@@ -119,9 +128,7 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
       has_covariance && use == GivenCovariance::scaled ? kLargestGivenScale : 1.0;
   for (const auto& [first, count] : kGroups) {
     Matrix6d r = Matrix6d::Zero();
-    for (int i = first; i < first + count; ++i) {
-      for (int k = first; k < first + count; ++k) r(i, k) = inlier.white(i, k);
-    }
+    r.block(first, first, count, count) = inlier.white.block(first, first, count, count);
     const Matrix6d s_r = s_inverse * r;
     const double score = 0.5 * (std::min(y.dot(r * y), 9.0 * count) - s_r.trace());
     const double information = 0.5 * (s_r * s_r).trace();

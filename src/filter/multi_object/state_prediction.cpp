@@ -15,26 +15,30 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
 }
 
 void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
-  joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
-  release_lost_camera();
+  if (!lose_camera(q)) joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
   advance(dt, std::nullopt);
 }
 
 /// Rotation about the camera and its position are independent then: only the position's covariance
-/// is that of before.
-void MultiObjectState::release_lost_camera() {
+/// is that of before with that of the noise, both seen from where the camera is, so that none of it
+/// is a difference of what a wide rotation has about the origin.
+bool MultiObjectState::lose_camera(const Matrix6d& q) {
   // Half of what there is to know: it is the camera's again, and has an end.
   if (world_error.topLeftCorner<3, 3>().diagonal().maxCoeff() > 0.5 * kUniformRotationVariance)
     take_in_world_error();
+  const SE3d& camera = joint.pose(kCamera);
   const Matrix6d before = joint.covariance(kCamera, kCamera);
-  if (before.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotationVariance) return;
-  const SE3d position(SO3d(), joint.pose(kCamera).translation());
+  const Matrix6d after = before + camera.adjoint_congruence(q);
+  if (after.topLeftCorner<3, 3>().diagonal().maxCoeff() <= kUniformRotationVariance) return false;
+  const SE3d position(SO3d(), camera.translation());
+  const SE3d turn(camera.rotation(), Eigen::Vector3d::Zero());
+  const Matrix6d near = position.inverse().adjoint_congruence(before) + turn.adjoint_congruence(q);
   Matrix6d there = Matrix6d::Zero();
   there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotationVariance);
-  there.bottomRightCorner<3, 3>() =
-      position.inverse().adjoint_congruence(before).bottomRightCorner<3, 3>();
+  there.bottomRightCorner<3, 3>() = near.bottomRightCorner<3, 3>();
   joint.release_camera(position.adjoint_congruence(there));
   for (TrackedObject& object : objects) object.belief.release_camera();
+  return true;
 }
 
 void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d& q,
