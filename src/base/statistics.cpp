@@ -57,6 +57,7 @@ double median(std::span<const double> values) {
 double upper_median(std::vector<double> values) { return value_of_rank(values, values.size() / 2); }
 
 double quantile(std::vector<double> values, double p) {
+  kUnitInterval.check(p, "p");
   const double last = static_cast<double>(values.size()) - 1.0;
   return value_of_rank(values, static_cast<std::size_t>(p * std::max(last, 0.0)));
 }
@@ -76,6 +77,8 @@ double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probabil
   const double second = squared.trace();
   const double third = (squared * covariance).trace();
   if (!(second > 0.0 && third > 0.0)) return 0.0;
+  require(std::isfinite(second * second * second) && std::isfinite(third * third),
+          "gaussian_norm_quantile: powers of the covariance overflow");
   const double dof = second * second * second / (third * third);
   const double quantile = boost::math::quantile(ChiSquared(dof), probability);
   const double standard = (quantile - dof) / std::sqrt(2.0 * dof);
@@ -83,7 +86,10 @@ double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probabil
 }
 
 std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof) {
-  const auto n = static_cast<double>(count * dof);
+  require(count > 0 && dof > 0, "chi_square_band: count or dof is 0, expected at least 1");
+  internal::check_count(count, "chi_square_band: count");
+  internal::check_count(dof, "chi_square_band: dof");
+  const double n = static_cast<double>(count) * static_cast<double>(dof);
   const ChiSquared distribution(n);
   return {boost::math::quantile(distribution, 0.025) / n,
           boost::math::quantile(distribution, 0.975) / n};
@@ -100,6 +106,7 @@ PairedTest paired_test(std::span<const double> a, std::span<const double> b) {
   }
   const StudentsT distribution(static_cast<double>(differences.size()) - 1.0);
   const double t = std::abs(difference.mean) / difference.standard_error;
+  if (!std::isfinite(t)) return {difference.mean, difference.standard_error, kNaN};
   return {difference.mean, difference.standard_error,
           2.0 * boost::math::cdf(boost::math::complement(distribution, t))};
 }

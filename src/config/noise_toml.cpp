@@ -106,6 +106,7 @@ std::string format_noise_toml(std::string_view name, const DetectorNoise& noise)
 }
 
 std::string format_odometry_toml(const OdometryNoise& noise) {
+  require(!noise.windows.empty(), "the noise of an odometry is of no window");
   const auto list = [](const Vector6d& values, Eigen::Index from, double unit) {
     const Eigen::Vector3d part = values.segment<3>(from) / unit;
     return fmt::format("[{:.3g}]", fmt::join(part, ", "));

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "io/paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
@@ -58,7 +59,7 @@ std::vector<std::string> absolute_roots(const TomlTable& root,
   std::vector<std::string> roots{"."};
   for (const fs::path& folder : folders) {
     for (const std::string& name : root.get_strings_or("roots", {"."})) {
-      std::string path = fs::absolute(folder / name).lexically_normal().string();
+      std::string path = internal::absolute_path(folder / name).string();
       if (std::find(roots.begin(), roots.end(), path) == roots.end())
         roots.push_back(std::move(path));
     }
@@ -88,6 +89,7 @@ void require_same(const std::vector<std::optional<SE3d>>& a,
 }  // namespace
 
 std::vector<Observation> observations_of(const Sequence& sequence) {
+  validate(sequence);
   std::vector<Observation> all;
   for (std::size_t frame = 0; frame < sequence.stamps.size(); ++frame) {
     const double stamp = sequence.stamps[frame];

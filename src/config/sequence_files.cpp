@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <system_error>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "io/paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 #include "sequence_parts.hpp"
@@ -18,11 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kStampTolerance = 1e-3;
-
-bool is_there(const fs::path& path) {
-  std::error_code ignored;
-  return fs::exists(path, ignored);
-}
 
 double tolerance_of(const std::vector<double>& stamps) {
   double tolerance = kStampTolerance;

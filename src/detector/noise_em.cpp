@@ -7,7 +7,9 @@
 
 #include "detector/noise_rows.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/detector/noise_em.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix {
 namespace {
@@ -198,6 +200,19 @@ class NoiseEm {
   EmStatus status_ = EmStatus::converged;
 };
 
+void check(std::span<const NoiseObservation> observations, const NoiseEmSettings& settings) {
+  require(!observations.empty(), "noise model: there are no observations");
+  for (const NoiseObservation& observation : observations) {
+    check_pose(observation.truth, "the truth of an observation");
+    check_pose(observation.detected, "a detection");
+  }
+  EmSettings em = settings.em;
+  em.components = 1;  // it has no meaning here
+  internal::check_em_settings(em, 6);
+  kPositive.check(settings.clutter_volume_m3, "noise model: clutter_volume_m3");
+  kUnitInterval.check(settings.least_clutter, "noise model: least_clutter");
+}
+
 }  // namespace
 
 Eigen::ArrayXd noise_log_density(const DetectorNoise& of_dependent,
@@ -219,7 +234,7 @@ Eigen::ArrayXd noise_log_density(const DetectorNoise& of_dependent,
 
 NoiseEmFit refine_noise(std::span<const NoiseObservation> observations, const DetectorNoise& start,
                         const NoiseEmSettings& settings) {
-  require(!observations.empty(), "noise model: there are no observations");
+  check(observations, settings);
   return NoiseEm(observations, start, settings).run();
 }
 

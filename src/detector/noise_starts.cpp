@@ -74,7 +74,7 @@ DetectorNoise concentric_start(const ResidualRows& rows, const NoiseEmSettings& 
 NoiseEmFit fit_noise_components(std::span<const NoiseObservation> observations,
                                 const NoiseEmSettings& settings, RandomStream& stream) {
   require(settings.components > 0, "noise model: there are 0 components, expected one or more");
-  if (observations.size() < 2 * settings.components) {
+  if (settings.components > observations.size() / 2) {
     const auto plural = [](std::size_t count) { return count == 1 ? "" : "s"; };
     throw InvalidInput(
         fmt::format("noise model: {} observation{} for {} component{}, expected two per component",

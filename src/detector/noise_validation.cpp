@@ -18,6 +18,10 @@ std::vector<Observations> folds_of(std::span<const NoiseTrack> tracks, std::size
   std::size_t recordings = 0;
   for (const NoiseObservation& each : observations_of(tracks))
     recordings = std::max(recordings, each.recording + 1);
+  // Of more folds than frames, some would be empty.
+  std::size_t frames = 1;
+  for (const NoiseTrack& track : tracks) frames += track.size();
+  count = std::min(count, frames);
   std::vector<Observations> folds(count);
   for (const NoiseTrack& track : tracks) {
     for (std::size_t frame = 0; frame < track.size(); ++frame) {
@@ -77,6 +81,7 @@ void compare_with_best(std::vector<NoiseValidation>& rows) {
 std::vector<NoiseValidation> cross_validate(std::span<const NoiseTrack> tracks,
                                             const NoiseFitSettings& settings,
                                             const RandomStream& stream) {
+  if (settings.folds < 2) return {};
   const std::vector<Observations> folds = folds_of(tracks, settings.folds);
   std::vector<NoiseValidation> rows;
   if (folds.size() < 2) return rows;

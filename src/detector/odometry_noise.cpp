@@ -6,8 +6,12 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
+
 #include "posemix/base/error.hpp"
+#include "posemix/base/limits.hpp"
 #include "posemix/base/random.hpp"
+#include "posemix/lie/pose_checks.hpp"
 #include "scene_distance.hpp"
 
 namespace posemix {
@@ -166,10 +170,36 @@ Vector12d bootstrap_errors(const AllSums& recordings, const OdometryNoiseSetting
   return ((squares - sum.cwiseAbs2() / n) / (n - 1.0)).cwiseMax(0.0).cwiseSqrt();
 }
 
+void check(const OdometryRecording& recording) {
+  const std::size_t frames = recording.stamps.size();
+  if (recording.odometry.size() != frames || recording.camera_truth.size() != frames)
+    throw InvalidInput(fmt::format(
+        "odometry noise: recording '{}' has {} stamps, {} poses of the odometry and {} of the "
+        "camera's truth, expected as many of each",
+        recording.name, frames, recording.odometry.size(), recording.camera_truth.size()));
+  for (std::size_t k = 0; k < frames; ++k) {
+    kStamp.check(recording.stamps[k], "odometry noise: a stamp");
+    if (k > 0 && recording.stamps[k] < recording.stamps[k - 1])
+      throw InvalidInput(fmt::format(
+          "odometry noise: the stamps of recording '{}' decrease at frame {}", recording.name, k));
+    if (recording.odometry[k]) check_pose(*recording.odometry[k], "a pose of the odometry");
+    if (recording.camera_truth[k]) check_pose(*recording.camera_truth[k], "a pose of the camera");
+  }
+}
+
+void check(const OdometryNoiseSettings& settings) {
+  for (const double length : settings.windows_s)
+    kPositive.check(length, "odometry noise: a length of windows_s");
+  if (settings.scene_distance_m)
+    kNotNegative.check(*settings.scene_distance_m, "odometry noise: scene_distance_m");
+}
+
 }  // namespace
 
 OdometryNoise fit_odometry_noise(std::span<const OdometryRecording> recordings,
                                  const OdometryNoiseSettings& settings) {
+  check(settings);
+  for (const OdometryRecording& recording : recordings) check(recording);
   const SceneDistance scene = scene_distance(recordings, settings);
   AllSums sums;
   for (const OdometryRecording& at_camera : recordings) {

@@ -104,6 +104,7 @@ class Converter {
       : stream_(stream), settings_(settings) {
     require(settings.max_kl > 0.0, "conversion: max_kl must be positive");
     require(settings.max_pieces > 0, "conversion: max_pieces is 0, expected at least 1");
+    internal::check_count(settings.max_pieces, "conversion: max_pieces");
   }
 
   Conversion<To> convert(const Mixture<From>& mixture) {

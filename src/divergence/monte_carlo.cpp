@@ -199,6 +199,7 @@ void check(Eigen::Index p, Eigen::Index q, const DivergenceSamplingSettings& set
                     "a sample in each",
                     settings.samples, settings.replicates));
   }
+  internal::check_count(settings.samples, "samples");
 }
 
 template <class P, class Q>

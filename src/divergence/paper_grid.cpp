@@ -6,8 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
-
+#include "posemix/base/range.hpp"
 #include "rotation_ray.hpp"
 
 namespace posemix {
@@ -17,6 +16,9 @@ using Eigen::Vector3d;
 
 /// The log of a density that is too small to change the digits of a sum.
 constexpr double kNegligible = -100.0;
+
+/// Of a grid whose points can still be visited.
+constexpr double kSmallestStep = 1e-3;
 
 /// One peak relative to the first mean of p.
 struct GridPeak {
@@ -105,9 +107,7 @@ void add_point(const std::vector<GridPeak>& p, const std::vector<GridPeak>& q,
 
 PaperGridDivergence paper_grid_divergence(const RotationDensity& p, const RotationDensity& q,
                                           double step) {
-  if (!(step > 0.0 && step <= std::numbers::pi)) {
-    throw InvalidInput(fmt::format("step is {}, expected a number in (0, pi]", step));
-  }
+  NumberRange{.lowest = kSmallestStep, .highest = std::numbers::pi}.check(step, "step");
   const Eigen::Quaterniond first = internal::rotation_peaks(p).front().mean;
   const auto p_peaks = grid_peaks(p, first);
   const auto q_peaks = grid_peaks(q, first);

@@ -72,6 +72,8 @@ std::string draw_consistency(std::string_view title, std::span<const NamedConsis
   require(!poses.empty(), "consistency: got no pose to draw, expected at least one");
   std::vector<Chart> charts;
   for (const auto& [name, report] : poses) {
+    if (report.frames.empty())
+      throw InvalidInput(fmt::format("consistency: pose '{}' has no frame to draw", name));
     charts.push_back(
         nees_chart(poses.size() > 1 ? name : "pose", report, report.pose, &FrameConsistency::nees));
     if (poses.size() > 1) continue;

@@ -14,6 +14,7 @@
 #include "picture_strip.hpp"
 #include "posemix/base/words.hpp"
 #include "run_consistency.hpp"
+#include "slam/run_checks.hpp"
 #include "svg.hpp"
 
 namespace posemix {
@@ -153,6 +154,8 @@ void draw_strips(SvgDocument& svg, const SlamJob& job, const std::vector<Picture
 }  // namespace
 
 std::string format_picture(const SlamJob& job, const SlamRun& run, const Metrics& metrics) {
+  internal::require_fit(job, run);
+  internal::require_fit(job, metrics);
   const std::vector<PictureRow> rows = rows_of(job, run);
   const double strips = kStripDistance * static_cast<double>(rows.size());
   const double more = left_out(job).empty() ? 0.0 : 24.0;

@@ -212,7 +212,9 @@ void draw_grid(SvgDocument& svg, const MapView& view) {
   const SvgBox& box = view.box();
   const double step = round_step(std::max(box.width, box.height) / view.pixels_per_metre(), 9);
   const SvgStyle style{.stroke = std::string(kGridColour)};
-  const int decimals = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));
+  // Of recordings that are extreme the step may be none.
+  const double digits = std::ceil(-std::log10(step) - 1e-9);
+  const int decimals = static_cast<int>(std::isfinite(digits) ? std::clamp(digits, 0.0, 17.0) : 0);
   const auto label = [&](double value) { return fmt::format("{:.{}f}", value + 0.0, decimals); };
   for (double i = std::ceil(view.low().x() / step); i * step <= view.high().x(); ++i) {
     const double x = view.pixel(Eigen::Vector2d(i * step, 0)).x();

@@ -114,15 +114,7 @@ std::optional<double> undistort_angle(const std::vector<double>& k, double disto
   return std::nullopt;
 }
 
-}  // namespace
-
-void validate(const CameraModel& camera) {
-  const Eigen::Vector4d& k = camera.intrinsics;
-  if (!k.allFinite() || !(k[0] > 0.0 && k[1] > 0.0)) {
-    throw InvalidInput(fmt::format(
-        "the intrinsics are {} {} {} {}, expected fx, fy, cx, cy [px] with positive focal lengths",
-        k[0], k[1], k[2], k[3]));
-  }
+void check_coefficients(const CameraModel& camera) {
   const std::size_t count = camera.coefficients.size();
   const bool fits = camera.distortion == DistortionModel::none     ? count == 0
                     : camera.distortion == DistortionModel::radtan ? count == 4 || count == 5
@@ -135,6 +127,18 @@ void validate(const CameraModel& camera) {
                                                                    : "4 (k1 k2 k3 k4)",
                     word_of(camera.distortion)));
   }
+}
+
+}  // namespace
+
+void validate(const CameraModel& camera) {
+  const Eigen::Vector4d& k = camera.intrinsics;
+  if (!k.allFinite() || !(k[0] > 0.0 && k[1] > 0.0)) {
+    throw InvalidInput(fmt::format(
+        "the intrinsics are {} {} {} {}, expected fx, fy, cx, cy [px] with positive focal lengths",
+        k[0], k[1], k[2], k[3]));
+  }
+  check_coefficients(camera);
   for (const double coefficient : camera.coefficients) {
     if (!std::isfinite(coefficient))
       throw InvalidInput("a coefficient of the distortion is not finite");
@@ -142,6 +146,7 @@ void validate(const CameraModel& camera) {
 }
 
 std::optional<Projection> project(const CameraModel& camera, const Eigen::Vector3d& point) {
+  check_coefficients(camera);
   std::optional<Projection> out = camera.distortion == DistortionModel::equidistant
                                       ? project_equidistant(camera.coefficients, point)
                                       : project_pinhole(camera, point);
@@ -153,6 +158,7 @@ std::optional<Projection> project(const CameraModel& camera, const Eigen::Vector
 }
 
 std::optional<Eigen::Vector3d> ray(const CameraModel& camera, const Eigen::Vector2d& pixel) {
+  check_coefficients(camera);
   const Eigen::Vector2d point =
       ((pixel - camera.intrinsics.tail<2>()).array() / camera.intrinsics.head<2>().array())
           .matrix();

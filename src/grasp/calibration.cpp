@@ -58,6 +58,9 @@ struct Posterior {
 }  // namespace
 
 double LogisticModel::probability(const Eigen::VectorXd& features) const {
+  if (features.size() != weights.size())
+    throw InvalidInput(
+        fmt::format("{} features for a model of {}", features.size(), weights.size()));
   return logistic(bias + weights.dot(features));
 }
 
@@ -71,6 +74,12 @@ LogisticModel fit_logistic(const Eigen::MatrixXd& features, const std::vector<bo
   kPositive.check(settings.weights_sd, "weights_sd");
   kPositive.check(settings.bias_sd, "bias_sd");
   kAnyNumber.check(settings.bias_mean, "bias_mean");
+  if (!features.allFinite()) throw InvalidInput("a feature is not finite");
+  const Eigen::VectorXd& weights_mean = settings.weights_mean;
+  if ((weights_mean.size() != 0 && weights_mean.size() != n) || !weights_mean.allFinite())
+    throw InvalidInput(
+        fmt::format("weights_mean has {} entries, expected {} finite ones, or none for zeros",
+                    weights_mean.size(), n));
   Eigen::MatrixXd design(features.rows(), n + 1);
   design << features, Eigen::VectorXd::Ones(features.rows());
   Posterior posterior{design, outcomes, Eigen::VectorXd::Zero(n + 1),

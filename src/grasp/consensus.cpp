@@ -4,9 +4,22 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 
 namespace posemix {
+namespace {
+
+void check_weights(const PoseConsensus& consensus) {
+  const auto draws = static_cast<Eigen::Index>(consensus.truths.size());
+  if (draws > 0 && consensus.weights.size() == draws) return;
+  throw InvalidInput(
+      fmt::format("a consensus of {} draws with {} weights", draws, consensus.weights.size()));
+}
+
+}  // namespace
 
 PoseConsensus fuse_estimates(std::span<const ConsensusMember> members,
                              const ConsensusSettings& settings, RandomStream& stream) {
@@ -14,6 +27,8 @@ PoseConsensus fuse_estimates(std::span<const ConsensusMember> members,
   require(settings.draws_per_member > 0, "a consensus needs at least one draw per estimate");
   require(settings.correlation >= 0.0 && settings.correlation <= 1.0,
           "correlation of estimates outside [0, 1]");
+  for (const ConsensusMember& member : members)
+    require(member.errors != nullptr, "an estimate of a consensus is without its errors");
   const auto count = static_cast<double>(members.size());
   const double power = 1.0 / (1.0 + (count - 1.0) * settings.correlation);
   PoseConsensus consensus;
@@ -41,6 +56,8 @@ PoseConsensus fuse_estimates(std::span<const ConsensusMember> members,
 
 PoseConsensus PoseConsensus::resampled(std::size_t count) const {
   require(count > 0, "resampling to no draw");
+  internal::check_count(count, "count");
+  check_weights(*this);
   PoseConsensus result;
   result.truths.reserve(count);
   const double step = 1.0 / static_cast<double>(count);
@@ -61,6 +78,7 @@ double success_probability(const PoseConsensus& consensus, const SE3d& estimate,
                            std::span<const ToleranceRegion> regions,
                            const SymmetryGroup& symmetries) {
   require(!regions.empty(), "probability of success without a region");
+  check_weights(consensus);
   double sum = 0.0;
   for (std::size_t i = 0; i < consensus.truths.size(); ++i) {
     const SE3d error = symmetries.reduced_error(consensus.truths[i].inverse() * estimate);

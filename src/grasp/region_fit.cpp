@@ -234,6 +234,7 @@ std::vector<ToleranceRegion> bootstrap_regions(std::span<const ErrorOutcome> out
                                                std::size_t count, const RegionFitSettings& settings,
                                                RandomStream& stream) {
   require(groups.size() == outcomes.size(), "bootstrap of outcomes without a group for each");
+  internal::check_count(count, "count");
   std::map<std::size_t, std::vector<ErrorOutcome>> by_group;
   for (std::size_t i = 0; i < groups.size(); ++i) by_group[groups[i]].push_back(outcomes[i]);
   std::vector<const std::vector<ErrorOutcome>*> all;

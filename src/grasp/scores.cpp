@@ -90,6 +90,7 @@ double auc_within_groups(std::span<const ScoredPrediction> predictions) {
 std::vector<ReliabilityBin> reliability(std::span<const ScoredPrediction> predictions,
                                         std::size_t bins) {
   require(bins > 0, "a reliability diagram needs at least one bin");
+  internal::check_count(bins, "bins");
   check(predictions);
   std::vector<ReliabilityBin> result(bins);
   for (const ScoredPrediction& p : predictions) {

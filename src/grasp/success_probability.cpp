@@ -39,6 +39,10 @@ SuccessEstimate estimate(const BoxIntegral<D>& integral, std::size_t components,
 void check(const SuccessSettings& settings) {
   require(settings.replicates >= 2, "success probability: expected at least 2 replicates");
   require(settings.points >= 1, "success probability: expected at least 1 point");
+  internal::check_count(settings.replicates, "success probability: replicates");
+  internal::check_count(settings.points, "success probability: points");
+  require(settings.points <= internal::kLargestCount / settings.replicates,
+          "success probability: too many points in so many replicates");
 }
 
 /// The box at `start` moved by x, in units of its sides.
@@ -139,6 +143,7 @@ BestGrasp best_grasp(const Mixture<D>& mixture, const ToleranceBox& box, RandomS
   check(settings.final);
   require(settings.starts > 0, "best_grasp: expected at least 1 start");
   require(settings.points > 0, "best_grasp: expected at least 1 point");
+  internal::check_count(settings.points, "best_grasp: points");
   kNotNegative.check(settings.tolerance, "best_grasp: tolerance");
   const BoxIntegral<D> integral(mixture, box);
   BestGrasp best{{}, {}, {}, 0};

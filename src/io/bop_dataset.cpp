@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "json_place.hpp"
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/dataset.hpp"
 #include "posemix/io/rigid.hpp"
@@ -93,7 +94,7 @@ std::filesystem::path bop_scene_folder(const std::filesystem::path& dataset,
 DatasetScene read_bop_scene(const std::filesystem::path& dataset, const std::string& split,
                             std::int64_t scene) {
   const std::filesystem::path folder = bop_scene_folder(dataset, split, scene);
-  if (!std::filesystem::is_directory(folder)) {
+  if (!internal::is_folder(folder)) {
     throw InvalidInput(
         fmt::format("{}: is not there, expected the folder of scene {} in a BOP "
                     "dataset",
@@ -103,9 +104,9 @@ DatasetScene read_bop_scene(const std::filesystem::path& dataset, const std::str
   result.name = folder.string();
   const std::filesystem::path truth = folder / "scene_gt.json";
   const std::filesystem::path camera = folder / "scene_camera.json";
-  const bool has_truth = std::filesystem::exists(truth);
+  const bool has_truth = internal::is_there(truth);
   if (has_truth) result.images = parse_bop_scene_gt(read_file(truth), truth.string());
-  if (!has_truth || std::filesystem::exists(camera))
+  if (!has_truth || internal::is_there(camera))
     result.cameras = parse_bop_scene_camera(read_file(camera), camera.string());
   return result;
 }

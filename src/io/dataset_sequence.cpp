@@ -12,6 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "json_numbers.hpp"
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/bop.hpp"
 #include "posemix/io/bop_models.hpp"
@@ -26,22 +27,20 @@ using namespace internal;
 
 namespace fs = std::filesystem;
 
-std::string absolute_path(const fs::path& path) {
-  return toml_string(fs::absolute(path).lexically_normal().string());
-}
+std::string toml_path(const fs::path& path) { return toml_string(absolute_path(path).string()); }
 
 class SequenceWriter {
  public:
   explicit SequenceWriter(const DatasetSequence& request) : request_(request) {
     const std::string sequence = fmt::format("{:04}", request.scene);
-    is_ycb_video_ = fs::is_directory(request.dataset / "data" / sequence);
+    is_ycb_video_ = is_folder(request.dataset / "data" / sequence);
     scene_ = is_ycb_video_ ? read_ycb_video_scene(request.dataset, sequence)
                            : read_bop_scene(request.dataset, request.split, request.scene);
-    place_ = is_ycb_video_ ? fmt::format("ycb_video = {}, sequence = \"{}\"",
-                                         absolute_path(request.dataset), sequence)
-                           : fmt::format("bop_dataset = {}, split = {}, scene = {}",
-                                         absolute_path(request.dataset), toml_string(request.split),
-                                         request.scene);
+    place_ =
+        is_ycb_video_
+            ? fmt::format("ycb_video = {}, sequence = \"{}\"", toml_path(request.dataset), sequence)
+            : fmt::format("bop_dataset = {}, split = {}, scene = {}", toml_path(request.dataset),
+                          toml_string(request.split), request.scene);
     if (is_ycb_video_) names_ = read_ycb_video_names(request.dataset);
     instances_ = scene_.instance_counts();
     read_estimates();
@@ -112,7 +111,7 @@ class SequenceWriter {
   void find_models() {
     for (const char* folder : {"models", "models_eval", "models_cad"}) {
       const fs::path path = request_.dataset / folder / "models_info.json";
-      if (!fs::exists(path)) continue;
+      if (!is_there(path)) continue;
       models_path_ = path;
       for (const auto& [id, model] : read_bop_models(path)) models_.insert(id);
       return;
@@ -129,8 +128,7 @@ class SequenceWriter {
     const auto is_known = [](const auto& entry) { return entry.second.has_value(); };
     const bool known = std::any_of(scene_.cameras.begin(), scene_.cameras.end(), is_known);
     std::string text;
-    if (request_.odometry)
-      text += fmt::format("odometry = {}\n", absolute_path(*request_.odometry));
+    if (request_.odometry) text += fmt::format("odometry = {}\n", toml_path(*request_.odometry));
     if (known)
       text += fmt::format("ground_truth = {{{}, first_frame = {}}}\n", place_, first_frame_);
     else
@@ -160,12 +158,12 @@ class SequenceWriter {
   std::string symmetries(std::int64_t object) const {
     if (!models_.contains(object)) return "";
     return fmt::format("symmetries = {{bop_models_info = {}, object = {}}}\n",
-                       absolute_path(models_path_), object);
+                       toml_path(models_path_), object);
   }
 
   std::string single(std::int64_t object) const {
     std::string text = fmt::format("\n[[objects]]\nid = {}\n", toml_string(id_of(object)));
-    text += fmt::format("detections = {{bop = {}, {}}}\n", absolute_path(request_.results),
+    text += fmt::format("detections = {{bop = {}, {}}}\n", toml_path(request_.results),
                         results_keys(object, ", "));
     if (instances_.contains(object))
       text += fmt::format("ground_truth = {{{}, object = {}, first_frame = {}}}\n", place_, object,
@@ -192,7 +190,7 @@ class SequenceWriter {
 
   std::string candidate_table(std::int64_t object) const {
     return fmt::format("\n[[candidates]]\nclass = {}\nbop = {}\n{}\n", toml_string(id_of(object)),
-                       absolute_path(request_.results), results_keys(object, "\n"));
+                       toml_path(request_.results), results_keys(object, "\n"));
   }
 
   const DatasetSequence& request_;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "csv_table.hpp"
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 
@@ -97,16 +98,13 @@ void parse_grasp_outcomes(std::string_view text, const std::string& name,
 
 GraspOutcomes read_grasp_outcomes(const fs::path& folder) {
   const fs::path below = folder / kSource;
-  const fs::path source = fs::is_directory(below) ? below : folder;
-  if (!fs::is_directory(source)) {
+  const fs::path source = internal::is_folder(below) ? below : folder;
+  if (!internal::is_folder(source)) {
     throw InvalidInput(fmt::format("{}: no such folder, expected one with tables of grasp outcomes",
                                    folder.string()));
   }
-  std::vector<fs::path> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(source)) {
-    if (entry.path().extension() == ".csv") files.push_back(entry.path());
-  }
-  std::sort(files.begin(), files.end());
+  std::vector<fs::path> files = internal::entries_of(source);
+  std::erase_if(files, [](const fs::path& file) { return file.extension() != ".csv"; });
   GraspOutcomes outcomes;
   for (const fs::path& file : files) {
     const std::string stem = file.stem().string();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "mat_file.hpp"
+#include "paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/dataset.hpp"
 #include "posemix/io/rigid.hpp"
@@ -77,22 +78,22 @@ DatasetScene read_ycb_video_scene(const std::filesystem::path& dataset,
   const std::filesystem::path folder = dataset / "data" / sequence;
   DatasetScene scene;
   scene.name = folder.string();
-  if (!std::filesystem::is_directory(folder)) {
+  if (!internal::is_folder(folder)) {
     throw InvalidInput(
         fmt::format("{}: is not there, expected the folder of a YCB-Video sequence", scene.name));
   }
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    const std::string file_name = entry.path().filename().string();
+  for (const std::filesystem::path& path : internal::entries_of(folder)) {
+    const std::string file_name = path.filename().string();
     if (!file_name.ends_with(kMetaEnd)) continue;
     const auto number =
         parse_integer(std::string_view(file_name).substr(0, file_name.size() - kMetaEnd.size()));
     if (!number || *number < 0)
-      throw InvalidInput(entry.path().string() +
+      throw InvalidInput(path.string() +
                          ": got a name without a frame number, expected "
                          "NNNNNN-meta.mat");
-    const MatFile file(entry.path());
-    scene.images[*number] = read_meta_objects(file, entry.path());
-    scene.cameras[*number] = read_meta_camera(file, entry.path());
+    const MatFile file(path);
+    scene.images[*number] = read_meta_objects(file, path);
+    scene.cameras[*number] = read_meta_camera(file, path);
   }
   if (scene.images.empty())
     throw InvalidInput(scene.name + ": got no file NNNNNN-meta.mat, expected one per frame");
@@ -101,7 +102,7 @@ DatasetScene read_ycb_video_scene(const std::filesystem::path& dataset,
 
 std::vector<std::string> read_ycb_video_names(const std::filesystem::path& dataset) {
   const std::filesystem::path path = dataset / "image_sets" / "classes.txt";
-  if (!std::filesystem::exists(path)) return {};
+  if (!internal::is_there(path)) return {};
   const std::string text = read_file(path);
   LineReader reader(text, path.string());
   std::vector<std::string> names;

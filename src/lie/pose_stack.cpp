@@ -12,12 +12,14 @@ namespace {
 using Blocks = std::vector<TwistMatrix<double>>;
 
 ConstRows tangent_rows(const Eigen::VectorXd& xi) { return {xi.data(), kPoseDof}; }
-MutableRows block_rows(Blocks& blocks) { return {blocks.data()->a.data(), 18}; }
+MutableRows block_rows(TwistMatrix<double>* blocks) {
+  return {blocks == nullptr ? nullptr : blocks->a.data(), 18};  // an empty vector may have none
+}
 static_assert(sizeof(TwistMatrix<double>) == 18 * sizeof(double));
 
 /// Writes the blocks of J_l^-1(xi) from `blocks` on.
 void write_inverse_jacobians(const Eigen::VectorXd& xi, TwistMatrix<double>* blocks) {
-  left_jacobian_inverse_blocks_of(tangent_rows(xi), {blocks->a.data(), 18},
+  left_jacobian_inverse_blocks_of(tangent_rows(xi), block_rows(blocks),
                                   static_cast<std::size_t>(xi.size() / kPoseDof));
 }
 
@@ -70,7 +72,7 @@ template <>
 PoseStack<double>::TangentMatrix PoseStack<double>::left_jacobian_congruence(
     const Tangent& xi, const TangentMatrix& p) {
   std::vector<Blocks> blocks(poses_in(xi));
-  internal::left_jacobian_blocks_of(internal::tangent_rows(xi), internal::block_rows(blocks),
+  internal::left_jacobian_blocks_of(internal::tangent_rows(xi), internal::block_rows(blocks.data()),
                                     blocks.size());
   return congruence(blocks, p);
 }
@@ -80,7 +82,7 @@ PoseStack<double>::TangentMatrix PoseStack<double>::left_jacobian_inverse_congru
     const Tangent& xi, const TangentMatrix& p) {
   std::vector<Blocks> blocks(poses_in(xi));
   internal::left_jacobian_inverse_blocks_of(internal::tangent_rows(xi),
-                                            internal::block_rows(blocks), blocks.size());
+                                            internal::block_rows(blocks.data()), blocks.size());
   return congruence(blocks, p);
 }
 

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "io/json_numbers.hpp"
+#include "posemix/base/error.hpp"
 #include "posemix/base/units.hpp"
 
 namespace posemix {
@@ -170,8 +171,11 @@ std::string format_consistency(const ConsistencyResults& results) {
 
 std::string format_consistency_text(const ConsistencyResults& results) {
   std::string text = fmt::format("{}\n{}", results.title, alignment_text(results.alignment));
-  for (const NamedConsistency& pose : results.poses)
+  for (const NamedConsistency& pose : results.poses) {
+    if (pose.report.frames.empty())
+      throw InvalidInput(fmt::format("consistency: pose '{}' has no frame", pose.name));
     text += fmt::format("\n{}", pose_text(pose, results.axes));
+  }
   return text;
 }
 

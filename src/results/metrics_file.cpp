@@ -3,6 +3,7 @@
 #include "metrics_file.hpp"
 
 #include "io/json_numbers.hpp"
+#include "posemix/base/error.hpp"
 #include "posemix/results/results.hpp"
 #include "provenance_json.hpp"
 
@@ -19,6 +20,10 @@ Json medians_json(const PoseMedians& medians) {
 /// Puts existence and health into the metrics of an object, where there are any.
 void add_health(const ObjectMetrics& object, Json& json) {
   if (!object.health) return;
+  if (object.health_shares.size() != words<TrackHealth>.size())
+    throw InvalidInput(fmt::format("metrics of object '{}': {} shares of healths, expected {}",
+                                   object.id, object.health_shares.size(),
+                                   words<TrackHealth>.size()));
   json["existence"] = json_number(object.existence);
   json["health"] = word_of(*object.health);
   Json& shares = json["health_shares"];

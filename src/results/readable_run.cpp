@@ -11,6 +11,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/limits.hpp"
 #include "posemix/lie/pose_checks.hpp"
+#include "slam/run_checks.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -29,6 +30,7 @@ std::string estimate_fault(const PoseDensity& density) {
 }  // namespace
 
 void require_readable(const SlamJob& job, const SlamRun& run) {
+  require_fit(job, run);
   for (std::size_t k = 0; k < run.frames.size(); ++k) {
     const auto check = [&](const std::optional<PoseDensity>& density, const std::string& name) {
       const std::string fault = density ? estimate_fault(*density) : "";

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "io/paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/text.hpp"
 #include "report_folder.hpp"
@@ -87,14 +88,16 @@ std::vector<std::string> names_of(const std::vector<fs::path>& runs) {
   if (std::set(names.begin(), names.end()).size() == names.size()) return names;
   names.clear();
   for (const fs::path& run : runs) {
-    const fs::path parent = (fs::absolute(run) / "").lexically_normal().parent_path().parent_path();
+    const fs::path parent =
+        (absolute_path(run) / "").lexically_normal().parent_path().parent_path();
     names.push_back(fmt::format("{}/{}", last_name(parent), last_name(run)));
   }
   return names;
 }
 
 ReportFolder run_folder(const fs::path& path) {
-  if (fs::is_regular_file(path)) {
+  std::error_code ignored;
+  if (fs::is_regular_file(path, ignored)) {
     throw InvalidInput(fmt::format(
         "{}: is a file, expected a folder that posemix slam wrote, to be compared", path.string()));
   }

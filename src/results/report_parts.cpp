@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "compression.hpp"
+#include "io/paths.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/io/ply.hpp"
 #include "posemix/io/text.hpp"
@@ -69,7 +70,7 @@ void warn(const std::vector<std::string>& warnings, const ReportOptions& options
 }
 
 std::string last_name(const fs::path& path) {
-  const fs::path absolute = fs::absolute(path).lexically_normal();
+  const fs::path absolute = absolute_path(path);
   return (absolute.has_filename() ? absolute : absolute.parent_path()).filename().string();
 }
 
@@ -111,7 +112,7 @@ Json meshes_json(const ReportOptions& options, const std::set<std::string>& obje
 fs::path common_parent(const std::vector<fs::path>& paths) {
   std::set<fs::path> parents;
   for (const fs::path& path : paths) {
-    fs::path absolute = fs::absolute(path).lexically_normal();
+    fs::path absolute = absolute_path(path);
     if (!absolute.has_filename()) absolute = absolute.parent_path();
     parents.insert(absolute.parent_path());
   }

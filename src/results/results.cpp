@@ -16,6 +16,7 @@
 #include "posemix/io/mixture_file.hpp"
 #include "posemix/io/tum.hpp"
 #include "readable_run.hpp"
+#include "slam/run_checks.hpp"
 #include "trace_writer.hpp"
 #include "verdicts_json.hpp"
 
@@ -150,6 +151,7 @@ class ResultFiles {
 }  // namespace
 
 PosteriorFile last_posterior(const SlamJob& job, const SlamRun& run) {
+  require_fit(job, run);
   const std::size_t size = run.posterior[0].density.mean().size();
   std::vector<NamedPose> poses(size, {"camera_motion", PoseKind::camera_motion});
   poses[kCamera] = {"camera", PoseKind::camera};
@@ -168,6 +170,7 @@ std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                                       const Metrics& metrics, const ResultOptions& options) {
   require_readable(job, run);
+  require_fit(job, metrics);
   std::vector<NamedText> files;
   ResultFiles(job, run, metrics, options, [&](const std::string& name, const auto& content) {
     std::string& text = files.emplace_back(name, "").second;
@@ -179,6 +182,7 @@ std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
 std::string write_results(OutputFolder& folder, const SlamJob& job, const SlamRun& run,
                           const Metrics& metrics, const ResultOptions& options) {
   require_readable(job, run);
+  require_fit(job, metrics);
   folder.remove_earlier(earlier_results(folder.target()));
   folder.put_last("metrics.json");
   return ResultFiles(

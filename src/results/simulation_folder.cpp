@@ -271,6 +271,10 @@ std::string sequence_text(const SimulationFile& file, const SimulatedSequence& s
 std::map<std::string, std::string> format_simulation(const SimulationFile& file,
                                                      const SimulatedSequence& simulated,
                                                      std::uint64_t seed) {
+  validate(simulated);
+  if (simulated.objects.size() != file.config.objects.size())
+    throw InvalidInput(fmt::format("a simulation of {} objects for a configuration of {}",
+                                   simulated.objects.size(), file.config.objects.size()));
   std::map<std::string, std::string> files;
   files["sequence.toml"] = sequence_text(file, simulated, seed);
   files["odometry.tum"] = tum(simulated, "T_odom_camera", simulated.odometry);

@@ -7,6 +7,7 @@
 #include "io/sha256.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/results/results.hpp"
+#include "slam/run_checks.hpp"
 #include "trace_track.hpp"
 #include "trace_writer.hpp"
 
@@ -75,6 +76,7 @@ void write_joint(JsonWriter& out, const SlamJob& job, const SlamRun& run,
 
 std::string internal::write_trace(const SlamJob& job, const SlamRun& run,
                                   const HypothesisTexts* hypotheses, const TextSink& sink) {
+  require_fit(job, run);
   if (hypotheses != nullptr && hypotheses->frames() != run.frames.size()) {
     throw InvalidInput(fmt::format("results: got recorded hypotheses of {} frames, expected {}",
                                    hypotheses->frames(), run.frames.size()));

@@ -48,11 +48,19 @@ void fix(Branch& part, std::size_t row, double impossible) {
   part.cost(at, column) = kept;
 }
 
+void check_assignment(const Assignment& assignment, std::size_t rows) {
+  const auto& columns = assignment.columns;
+  require(columns.size() == rows, "assignments are not of as many rows, expected the same");
+  require(std::all_of(columns.begin(), columns.end(), [](auto column) { return column >= 0; }),
+          "an assignment has a negative column");
+}
+
 }  // namespace
 
 std::vector<Assignment> best_assignments(const Eigen::MatrixXd& cost, std::size_t count,
                                          double impossible) {
   require(count > 0, "count is 0, expected at least 1");
+  require(!std::isnan(impossible), "impossible is nan, expected a number");
   std::vector<Assignment> found;
   std::priority_queue<Branch, std::vector<Branch>, IsWorse> parts;
   Branch whole{.cost = cost.cwiseMin(impossible)};
@@ -75,8 +83,10 @@ Eigen::MatrixXd association_probabilities(std::span<const Assignment> assignment
                                           Eigen::Index columns) {
   std::vector<double> logs;
   for (const Assignment& one : assignments) logs.push_back(-0.5 * one.cost);
-  const double total = log_sum_exp(logs);
   const auto rows = assignments.empty() ? 0 : assignments.front().columns.size();
+  require(columns >= 0, "assignments: the number of columns is negative");
+  for (const Assignment& one : assignments) check_assignment(one, rows);
+  const double total = log_sum_exp(logs);
   Eigen::MatrixXd probability = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows), columns);
   for (std::size_t k = 0; k < assignments.size(); ++k) {
     for (std::size_t row = 0; row < rows; ++row) {

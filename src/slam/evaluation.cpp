@@ -9,8 +9,10 @@
 
 #include "paired_errors.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
+#include "run_checks.hpp"
 
 namespace posemix {
 namespace {
@@ -19,7 +21,14 @@ using Poses = std::vector<std::optional<SE3d>>;
 
 const std::optional<SE3d>& entry(const Poses& poses, std::size_t frame) {
   static const std::optional<SE3d> none;
-  return poses.empty() ? none : poses[frame];
+  if (poses.empty()) return none;
+  internal::check_index(frame, poses.size(), "frame");
+  return poses[frame];
+}
+
+const ObjectRecording& recording_of(const Sequence& sequence, std::size_t object) {
+  internal::check_index(object, sequence.objects.size(), "object");
+  return sequence.objects[object];
 }
 
 std::optional<SE3d> mean_of(const std::optional<PoseDensity>& density) {
@@ -169,16 +178,7 @@ Timing timing_of(const SlamRun& run) {
 
 void check_fit(const Sequence& sequence, const SlamRun& run,
                std::span<const SymmetryGroup> symmetries) {
-  require(!run.frames.empty(), "evaluation: the run has no frame");
-  if (run.frames.size() > sequence.stamps.size()) {
-    throw InvalidInput(fmt::format("evaluation: the run has {} frames, the sequence {}",
-                                   run.frames.size(), sequence.stamps.size()));
-  }
-  for (const FrameEstimate& frame : run.frames) {
-    if (frame.objects.size() == sequence.objects.size()) continue;
-    throw InvalidInput(fmt::format("evaluation: the run has {} objects, the sequence {}",
-                                   frame.objects.size(), sequence.objects.size()));
-  }
+  internal::require_fit(sequence, run);
   if (!symmetries.empty() && symmetries.size() != sequence.objects.size()) {
     throw InvalidInput(fmt::format("evaluation: got the symmetries of {} objects, expected {}",
                                    symmetries.size(), sequence.objects.size()));
@@ -243,7 +243,7 @@ Consistency ConsistencySum::result() const {
 
 std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t object,
                                        std::size_t frame) {
-  const ObjectRecording& recording = sequence.objects[object];
+  const ObjectRecording& recording = recording_of(sequence, object);
   if (const auto& relative = entry(recording.relative_truth, frame)) return relative;
   const auto& world = entry(recording.world_truth, frame);
   const auto& camera = entry(sequence.camera_truth, frame);
@@ -253,7 +253,7 @@ std::optional<SE3d> true_relative_pose(const Sequence& sequence, std::size_t obj
 
 std::optional<SE3d> true_world_pose(const Sequence& sequence, std::size_t object,
                                     std::size_t frame) {
-  const ObjectRecording& recording = sequence.objects[object];
+  const ObjectRecording& recording = recording_of(sequence, object);
   if (const auto& world = entry(recording.world_truth, frame)) return world;
   const auto& relative = entry(recording.relative_truth, frame);
   const auto& camera = entry(sequence.camera_truth, frame);

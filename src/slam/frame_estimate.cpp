@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 
 namespace posemix {
 
@@ -23,15 +24,19 @@ std::size_t FrameEstimate::index_of(std::string_view id) const {
 
 ObjectEstimate FrameEstimate::object(std::string_view id) const {
   const std::size_t i = index_of(id);
-  ObjectEstimate estimate{.world = objects[i], .relative = relative[i]};
-  if (!mode_probabilities.empty()) estimate.mode_probability = mode_probabilities[i];
-  if (!existences.empty()) estimate.existence = existences[i];
-  if (!healths.empty()) estimate.health = healths[i];
-  if (!register_again.empty()) estimate.register_again = register_again[i];
-  if (!alternatives.empty()) estimate.alternatives = alternatives[i];
-  if (!report.statuses.empty()) estimate.status = report.statuses[i];
-  if (!motion_models.empty()) estimate.motion_models = motion_models[i];
-  if (!twists.empty()) estimate.twist = twists[i];
+  const auto entry = [&](const auto& entries) {
+    internal::check_index(i, entries.size(), "object");
+    return entries[i];
+  };
+  ObjectEstimate estimate{.world = entry(objects), .relative = entry(relative)};
+  if (!mode_probabilities.empty()) estimate.mode_probability = entry(mode_probabilities);
+  if (!existences.empty()) estimate.existence = entry(existences);
+  if (!healths.empty()) estimate.health = entry(healths);
+  if (!register_again.empty()) estimate.register_again = entry(register_again);
+  if (!alternatives.empty()) estimate.alternatives = entry(alternatives);
+  if (!report.statuses.empty()) estimate.status = entry(report.statuses);
+  if (!motion_models.empty()) estimate.motion_models = entry(motion_models);
+  if (!twists.empty()) estimate.twist = entry(twists);
   return estimate;
 }
 

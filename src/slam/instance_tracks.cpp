@@ -5,6 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
+#include "posemix/base/error.hpp"
+#include "posemix/base/limits.hpp"
 #include "posemix/base/range.hpp"
 #include "posemix/base/statistics.hpp"
 #include "posemix/base/units.hpp"
@@ -47,10 +51,12 @@ void InstanceTracks::add(bool is_known, const std::string& class_id) {
 
 void InstanceTracks::forget(std::size_t object) {
   // What was known of it before its first sighting is forgotten, too.
-  tracks_[object] = {.class_id = tracks_[object].class_id};
+  const std::string class_id = track_of(object).class_id;
+  tracks_[object] = {.class_id = class_id};
 }
 
 void InstanceTracks::begin(double dt) {
+  kTimeStep.check(dt, "dt");
   ++frames_;
   dt_ = frames_ == 1 ? 0.0 : dt;
   for (auto& [searched, look] : looks_) look.is_now = false;
@@ -69,6 +75,10 @@ void InstanceTracks::look(const std::string& camera, const std::optional<std::st
 }
 
 void InstanceTracks::detected(std::size_t object, const TrackedDetection& detection) {
+  internal::check_index(object, tracks_.size(), "object");
+  kAnyNumber.check(detection.clutter_probability, "clutter_probability");
+  kAnyNumber.check(detection.inlier_probability, "inlier_probability");
+  require(detection.residual.allFinite(), "residual holds a value that is not finite");
   Track& track = tracks_[object];
   ++track.detections;
   track.last_frame = frames_;
@@ -85,7 +95,20 @@ void InstanceTracks::detected(std::size_t object, const TrackedDetection& detect
       keep * track.square + detection.inlier_probability * detection.residual.squaredNorm() / 6.0;
 }
 
+void InstanceTracks::check(std::span<const TrackedPlace> places) const {
+  if (places.size() != tracks_.size())
+    throw InvalidInput(fmt::format("{} places for {} objects", places.size(), tracks_.size()));
+  for (const Track& track : tracks_)
+    for (const auto& [camera, detector] : track.found_now)
+      if (!looks_.contains({camera, detector}))
+        throw InvalidInput(
+            fmt::format("an object was detected in an image of camera '{}' by detector '{}', which "
+                        "did not look",
+                        camera, detector));
+}
+
 void InstanceTracks::end(std::span<const TrackedPlace> places) {
+  check(places);
   for (std::size_t j = 0; j < tracks_.size(); ++j) {
     Track& track = tracks_[j];
     const auto& pose = places[j].body_object;
@@ -197,24 +220,24 @@ void InstanceTracks::find_duplicates(std::size_t i, std::size_t j, double distan
 }
 
 std::optional<double> InstanceTracks::existence(std::size_t object) const {
-  const Track& track = tracks_[object];
+  const Track& track = track_of(object);
   if (track.is_known) return 1.0;
   return track.existence ? std::optional(track.probability) : std::nullopt;
 }
 
 bool InstanceTracks::is_confirmed(std::size_t object) const {
-  const Track& track = tracks_[object];
+  const Track& track = track_of(object);
   return track.is_known || (track.detections >= confirming_detections_ &&
                             existence(object).value_or(0.0) >= existence_.confirmed_probability);
 }
 
 bool InstanceTracks::gives_way(std::size_t object) const {
-  const Track& track = tracks_[object];
+  const Track& track = track_of(object);
   return !track.is_known && track.detections < confirming_detections_;
 }
 
 bool InstanceTracks::is_deleted(std::size_t object) const {
-  const Track& track = tracks_[object];
+  const Track& track = track_of(object);
   // Not eq. (5): which of two rivals there is may still turn out otherwise.
   return !track.is_known && track.of_class && track.existence &&
          track.existence->probability() < existence_.deleted_probability;
@@ -233,7 +256,7 @@ bool InstanceTracks::is_inconsistent(const Track& track) const {
 }
 
 TrackHealth InstanceTracks::health(std::size_t object, double mode_probability) const {
-  const Track& track = tracks_[object];
+  const Track& track = track_of(object);
   if (track.detections == 0 && !track.is_known) return TrackHealth::none;
   if (is_lost(track)) return TrackHealth::lost;
   if (is_inconsistent(track)) return TrackHealth::inconsistent;
@@ -242,7 +265,7 @@ TrackHealth InstanceTracks::health(std::size_t object, double mode_probability) 
 }
 
 bool InstanceTracks::should_register(std::size_t object) const {
-  const Track& track = tracks_[object];
+  const Track& track = track_of(object);
   return (is_lost(track) || is_inconsistent(track)) && track.bad_s >= health_.register_again_s;
 }
 

@@ -14,6 +14,7 @@
 
 #include "filter/world_shift.hpp"
 #include "posemix/base/error.hpp"
+#include "posemix/base/limits.hpp"
 #include "slam/semidefinite.hpp"
 
 namespace posemix {
@@ -46,14 +47,19 @@ void require_static(const std::vector<ObjectModel>& models, const std::string& w
 
 void report_moving(std::size_t object, const MovingObjectEstimate& estimate, bool with_alternatives,
                    FrameEstimate& frame) {
+  require(!estimate.hypotheses.empty(), "the estimate of a moving object has no hypothesis");
+  const auto entry = [&](auto& entries) -> auto& {
+    internal::check_index(object, entries.size(), "object");
+    return entries[object];
+  };
   const MovingObjectHypothesis& leading = estimate.hypotheses.front();
-  frame.objects[object] = leading.world;
-  frame.mode_probabilities[object] = leading.probability;
-  frame.motion_models[object] = estimate.models;
-  frame.twists[object] = ObjectTwist{leading.twist, leading.twist_covariance};
+  entry(frame.objects) = leading.world;
+  entry(frame.mode_probabilities) = leading.probability;
+  entry(frame.motion_models) = estimate.models;
+  entry(frame.twists) = ObjectTwist{leading.twist, leading.twist_covariance};
   if (!with_alternatives) return;
   for (const MovingObjectHypothesis& one : estimate.hypotheses)
-    frame.alternatives[object].push_back({one.probability, one.world.mean(), one.id});
+    entry(frame.alternatives).push_back({one.probability, one.world.mean(), one.id});
 }
 
 std::vector<ObjectHypothesis> hypotheses_of(const MovingObjectEstimate& estimate,
@@ -120,7 +126,10 @@ bool MovingObjects::is_known(std::size_t object) const {
   return found != tracks_.end() && found->second.filter.observation_count() > 0;
 }
 
-void MovingObjects::forget(std::size_t object) { track(object).filter = track(object).unseen; }
+void MovingObjects::forget(std::size_t object) {
+  const MovingObjectFilter& unseen = track(object).unseen;
+  tracks_.at(object).filter = unseen;
+}
 
 std::vector<KnownFrame> MovingObjects::known_frames() const {
   std::vector<KnownFrame> known;
@@ -129,11 +138,15 @@ std::vector<KnownFrame> MovingObjects::known_frames() const {
   return known;
 }
 
-const MovingObjectFilter& MovingObjects::filter(std::size_t object) const {
+const MovingObjects::Track& MovingObjects::track(std::size_t object) const {
   const auto found = tracks_.find(object);
   if (found == tracks_.end())
     throw InvalidInput(fmt::format("object {} does not move, it has no track of its own", object));
-  return found->second.filter;
+  return found->second;
+}
+
+const MovingObjectFilter& MovingObjects::filter(std::size_t object) const {
+  return track(object).filter;
 }
 
 void MovingObjects::check(const FrameInput& input) const {
@@ -159,6 +172,12 @@ void MovingObjects::check(const FrameInput& input) const {
 }
 
 void MovingObjects::begin(double dt, const std::vector<std::optional<KnownFrame>>& frames) {
+  kTimeStep.check(dt, "dt");
+  if (!frames.empty() && frames.size() != names_.size())
+    throw InvalidInput(fmt::format("{} poses of frames, expected none or one for each of the {}",
+                                   frames.size(), names_.size()));
+  for (const auto& frame : frames)
+    if (frame) validate(*frame);
   time_s_ += dt;
   for (std::size_t i = 0; i < frames.size(); ++i)
     if (frames[i]) frames_[i] = frames[i];
@@ -212,10 +231,11 @@ void MovingObjects::move_world(const SE3d& by, const Matrix6d& added, const Matr
 
 ObjectUpdateReport MovingObjects::update(std::size_t object, Observation observation,
                                          const KnownCamera& camera) {
+  static_cast<void>(track(object));  // or it is refused
   observation.stamp_s = time_s_;
-  constant_ = camera.constant_covariance;
   const MovingObjectReport report =
-      track(object).filter.update(observation, camera, known_frames());
+      tracks_.at(object).filter.update(observation, camera, known_frames());
+  constant_ = camera.constant_covariance;
   return {.started = report.started,
           .changed_leader = report.changed_leader,
           .log_evidence = report.log_evidence,
@@ -238,6 +258,7 @@ void MovingObjects::report(const KnownCamera& camera, bool with_alternatives,
     const MovingObjectEstimate estimate = track.filter.estimate();
     if (estimate.hypotheses.empty()) continue;
     report_moving(object, estimate, with_alternatives, frame);
+    internal::check_index(object, frame.relative.size(), "object");
     frame.relative[object] = track.filter.relative(camera);
   }
 }

@@ -29,15 +29,18 @@ void MultiObjectSlam::forget(std::size_t object, FrameEstimate& last) {
   forget(object);
   // An estimate may be older than an object that was added.
   if (object >= last.objects.size()) return;
-  last.objects[object].reset();
-  last.relative[object].reset();
-  last.mode_probabilities[object].reset();
-  last.existences[object].reset();
-  last.healths[object] = TrackHealth::none;
-  last.register_again[object] = false;
-  last.motion_models[object].clear();
-  last.twists[object].reset();
-  if (!last.alternatives.empty()) last.alternatives[object].clear();
+  const auto clear = [&](auto& entries) {
+    if (object < entries.size()) entries[object] = {};  // a tracker may leave some out
+  };
+  clear(last.objects);
+  clear(last.relative);
+  clear(last.mode_probabilities);
+  clear(last.existences);
+  clear(last.healths);
+  clear(last.register_again);
+  clear(last.motion_models);
+  clear(last.twists);
+  clear(last.alternatives);
   for (std::size_t other = 0; other < last.pose_indices.size(); ++other)
     last.pose_indices[other] = pose_index(other);
 }

@@ -4,10 +4,12 @@
 
 #include <limits>
 
+#include <fmt/format.h>
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
+#include "posemix/base/error.hpp"
 #include "posemix/slam/evaluation.hpp"
 
 namespace posemix {
@@ -31,9 +33,17 @@ ObservedPart along(const Eigen::Matrix<double, 6, Eigen::Dynamic>& directions, c
   return {directions.transpose() * e, directions.transpose() * covariance * directions};
 }
 
+void check_sizes(const ObservedPart& part) {
+  const Eigen::Index n = part.error.size();
+  if (part.covariance.rows() == n && part.covariance.cols() == n) return;
+  throw InvalidInput(fmt::format("the covariance of an error of {} entries is {} x {}", n,
+                                 part.covariance.rows(), part.covariance.cols()));
+}
+
 }  // namespace
 
 double ObservedPart::nees() const {
+  check_sizes(*this);
   if (error.size() == 0) return 0.0;
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
   if (factor.info() != Eigen::Success) return std::numeric_limits<double>::quiet_NaN();
@@ -41,6 +51,8 @@ double ObservedPart::nees() const {
 }
 
 Eigen::VectorXd ObservedPart::whitened() const {
+  check_sizes(*this);
+  if (error.size() == 0) return error;
   const Eigen::VectorXd inverse_sd = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd correlation =
       inverse_sd.asDiagonal() * covariance * inverse_sd.asDiagonal();

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/base/stopwatch.hpp"
 #include "posemix/slam/moving_objects.hpp"
 #include "slam/frames.hpp"
@@ -19,6 +20,7 @@ namespace {
 
 const ParticleFilterSettings& checked(const ParticleFilterSettings& settings) {
   require(settings.particles > 0, "particle filter: there are 0 particles, expected at least 1");
+  internal::check_count(settings.particles, "particle filter: the number of particles");
   require(settings.hypotheses > 0, "particle filter: hypotheses is 0, expected at least 1");
   if (!(settings.resample_below >= 0.0 && settings.resample_below <= 1.0)) {
     throw InvalidInput(

@@ -255,6 +255,7 @@ SE3d SimulatedPose::pose() const {
 }
 
 Sequence SimulatedSequence::sequence() const {
+  validate(*this);
   Sequence result;
   for (const std::int64_t stamp : stamps_ns) {
     result.stamps.push_back(static_cast<double>(stamp) / 1e9);

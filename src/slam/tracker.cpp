@@ -66,8 +66,7 @@ TrackedObjects::TrackedObjects(std::vector<ObjectModel> models) : models_(std::m
 }
 
 void TrackedObjects::require(std::size_t object) const {
-  if (object < size()) return;
-  throw InvalidInput(fmt::format("there is no object {}; there are {}", object, size()));
+  internal::check_index(object, size(), "object");
 }
 
 void TrackedObjects::check(const FrameInput& input) const {

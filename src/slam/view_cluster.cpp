@@ -99,8 +99,11 @@ class ViewTerms {
                   .has_own_slow = component.run_length > 1.0,
                   .camera_position = local_camera.translation(),
                   .stamp_s = member.observation->stamp_s};
-    if (seen.covariance && settings_.use_given_covariances && index == heaviest_)
-      term.white = (local_camera * seen.pose).adjoint_congruence(*seen.covariance);
+    if (seen.covariance && settings_.use_given_covariances && index == heaviest_) {
+      Matrix6d given = *seen.covariance;
+      symmetrize(given);
+      term.white = (local_camera * seen.pose).adjoint_congruence(given);
+    }
     if (const auto& slow = noise_.dependence().slow) {
       const Eigen::LLT<Matrix6d> factor(slow->covariance);
       term.slow_factor = to_local * at.units.asDiagonal() * Matrix6d(factor.matrixL());

@@ -131,14 +131,13 @@ TEST(Evaluate, RefusesARunThatIsNotOfTheSequence) {
   Sequence shorter = sequence;
   shorter.stamps.resize(3);
   EXPECT_EQ(thrown_message([&] { return evaluate(shorter, result); }),
-            "evaluation: the run has 5 frames, the sequence 3");
+            "the run has 5 frames, the sequence 3");
   Sequence more = sequence;
   more.objects.push_back(more.objects[0]);
   EXPECT_EQ(thrown_message([&] { return evaluate(more, result); }),
-            "evaluation: the run has 1 objects, the sequence 2");
+            "the run has 1 objects, expected 2");
   result.frames.clear();
-  EXPECT_EQ(thrown_message([&] { return evaluate(sequence, result); }),
-            "evaluation: the run has no frame");
+  EXPECT_EQ(thrown_message([&] { return evaluate(sequence, result); }), "the run has no frame");
 }
 
 TEST(Evaluate, ErrorsAreThoseOfAKnownDisplacement) {

@@ -16,7 +16,7 @@ namespace posemix {
 /// evenly.
 class ShiftedSobol {
  public:
-  /// @throws std::invalid_argument for more dimensions than there are direction numbers (3667)
+  /// @throws InvalidInput for no dimension, or more than there are direction numbers (3667)
   ShiftedSobol(std::size_t dimension, RandomStream& stream);
   ShiftedSobol(const ShiftedSobol&) = delete;
   ShiftedSobol& operator=(const ShiftedSobol&) = delete;
@@ -24,7 +24,8 @@ class ShiftedSobol {
   ShiftedSobol& operator=(ShiftedSobol&&) noexcept;
   ~ShiftedSobol();
 
-  /// The next point; `uniform` has the size of the dimension.
+  /// The next point.
+  /// @throws InvalidInput unless `uniform` has the size of the dimension
   void next(Eigen::Ref<Eigen::VectorXd> uniform);
 
  private:

@@ -30,6 +30,7 @@ double median(std::span<const double> values);
 double upper_median(std::vector<double> values);
 
 /// The value of rank floor(p (n - 1)), counted from zero, among n values; NaN without values.
+/// @throws InvalidInput when p is not in [0, 1]
 double quantile(std::vector<double> values, double p);
 
 /// The quantile of the chi-square distribution with `dof` degrees of freedom: the value that a draw

@@ -47,13 +47,14 @@ struct NoiseEmFit {
 /// below 1e-9 becomes zero. Every step is an E-step with the M-step of weights and covariances, in
 /// turn with a Gauss-Newton step of the offsets, which is shortened until it does not lower the
 /// likelihood: `history` never falls by more than rounding.
-/// @throws InvalidInput when there are no observations
+/// @throws InvalidInput when there are no observations, for a pose that check_pose refuses, and for
+/// settings out of range
 NoiseEmFit refine_noise(std::span<const NoiseObservation> observations, const DetectorNoise& start,
                         const NoiseEmSettings& settings);
 
 /// The most likely of refine_noise's ends from `em.restarts` concentric starts without offsets; for
 /// one component without clutter, where the likelihood has a single maximum, from one start.
-/// @throws InvalidInput for fewer observations than two per component
+/// @throws InvalidInput for fewer observations than two per component, and as refine_noise
 NoiseEmFit fit_noise_components(std::span<const NoiseObservation> observations,
                                 const NoiseEmSettings& settings, RandomStream& stream);
 

@@ -70,7 +70,9 @@ struct OdometryNoise {
 /// those came from as many independent normal errors as there are windows that do not overlap, by
 /// multiplicative steps that keep them positive (Fevotte and Idier, Algorithms for nonnegative
 /// matrix factorization with the beta-divergence, 2011, beta = 0).
-/// @throws InvalidInput when no recording has a window with odometry and truth at both ends
+/// @throws InvalidInput when no recording has a window with odometry and truth at both ends, when a
+/// recording is not complete, its stamps decrease or a pose is not finite, and for settings
+/// out of range
 OdometryNoise fit_odometry_noise(std::span<const OdometryRecording> recordings,
                                  const OdometryNoiseSettings& settings);
 

@@ -23,7 +23,7 @@ struct PaperGridDivergence {
 /// is the truncated Baker-Campbell-Hausdorff series of eq. 28 as printed. Two errors follow: the
 /// series is wrong far from the first mean, and the cube reaches beyond |xi| = pi, where an exact
 /// logarithm would count rotations twice.
-/// @throws InvalidInput when the step is not in (0, pi]
+/// @throws InvalidInput when the step is not in [0.001, pi]; the smallest has 2.5e11 points
 PaperGridDivergence paper_grid_divergence(const RotationDensity& p, const RotationDensity& q,
                                           double step);
 

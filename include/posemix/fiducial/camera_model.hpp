@@ -46,6 +46,7 @@ void validate(const CameraModel& camera);
 
 /// The image of a point in the camera's frame [m]; nothing where the camera has none: for
 /// `equidistant` at the camera's centre, for the others from z = 0 on backwards.
+/// @throws InvalidInput when the number of coefficients is not that of the distortion; `ray`, too
 std::optional<Projection> project(const CameraModel& camera, const Eigen::Vector3d& point);
 
 /// The unit vector towards what is seen at a distorted pixel, by Newton's method on the distortion.

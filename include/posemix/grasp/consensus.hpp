@@ -15,8 +15,8 @@ namespace posemix {
 
 /// An estimate and the errors of its estimator.
 struct ConsensusMember {
-  SE3d estimate;  ///< T_camera_object
-  const ErrorMixture* errors;
+  SE3d estimate;               ///< T_camera_object
+  const ErrorMixture* errors;  ///< not null
 };
 
 /// Settings of fuse_estimates.
@@ -42,14 +42,15 @@ struct PoseConsensus {
 
 /// The product of the members' densities of the truth (to the power above) by importance sampling
 /// from their mean, with respect to the Haar measure.
-/// @throws InvalidInput without members or draws, or when the correlation is not within [0, 1]
+/// @throws InvalidInput without members or draws, for a member without errors, or when the
+/// correlation is not within [0, 1]
 PoseConsensus fuse_estimates(std::span<const ConsensusMember> members,
                              const ConsensusSettings& settings, RandomStream& stream);
 
 /// Probability that a grasp planned with `estimate` succeeds: the mean over the draws of the truth
 /// and over the regions (MPG paper, section V, there with one box). Errors are reduced by the
 /// symmetries of the object.
-/// @throws InvalidInput without a region
+/// @throws InvalidInput without a region, and unless there is one weight for each draw
 double success_probability(const PoseConsensus& consensus, const SE3d& estimate,
                            std::span<const ToleranceRegion> regions,
                            const SymmetryGroup& symmetries = {});

@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include "posemix/base/error.hpp"
+#include "posemix/base/range.hpp"
 #include "posemix/lie/pose_blocks.hpp"
 #include "posemix/lie/se3.hpp"
 
@@ -20,8 +21,8 @@ namespace posemix {
 /// ...] in rad and metres.
 ///
 /// Adjoint and Jacobians are block-diagonal. The dense matrices are for inspection and tests; the
-/// congruences work block by block in O(n^2). Functions of two stacks, or of a tangent vector,
-/// throw InvalidInput if the sizes do not fit. Assigning a stack of the same size allocates
+/// congruences work block by block in O(n^2). Functions of two stacks, of a tangent vector or of an
+/// index throw InvalidInput if it does not fit. Assigning a stack of the same size allocates
 /// nothing. In double precision, functions of all poses use vector instructions; the templates here
 /// are their reference.
 template <typename S>
@@ -36,12 +37,18 @@ class PoseStack {
   /// The empty stack.
   PoseStack() = default;
   /// A stack of `size` identities.
-  explicit PoseStack(std::size_t size) : poses_(size) {}
+  explicit PoseStack(std::size_t size) : poses_(checked_size(size)) {}
   explicit PoseStack(std::vector<Pose> poses) : poses_(std::move(poses)) {}
 
   std::size_t size() const { return poses_.size(); }
-  const Pose& operator[](std::size_t i) const { return poses_[i]; }
-  Pose& operator[](std::size_t i) { return poses_[i]; }
+  const Pose& operator[](std::size_t i) const {
+    internal::check_index(i, size(), "pose");
+    return poses_[i];
+  }
+  Pose& operator[](std::size_t i) {
+    internal::check_index(i, size(), "pose");
+    return poses_[i];
+  }
   void push_back(const Pose& pose) { poses_.push_back(pose); }
   const std::vector<Pose>& poses() const { return poses_; }
   auto begin() const { return poses_.begin(); }
@@ -88,6 +95,11 @@ class PoseStack {
 
  private:
   using Blocks = TwistMatrix<Scalar>;
+
+  static std::size_t checked_size(std::size_t size) {
+    internal::check_count(size, "size");
+    return size;
+  }
 
   static std::size_t poses_in(const Tangent& xi) {
     if (xi.size() % Pose::Dof != 0) {

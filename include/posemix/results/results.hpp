@@ -30,7 +30,7 @@ using NamedText = std::pair<std::string, std::string>;
 /// posterior.json, trace.json and picture.svg, and for a rig with a camera that is calibrated
 /// cameras.csv.
 /// @throws InvalidInput when an estimate is not finite, which extreme numbers in the input can
-/// cause
+/// cause, and when the run or the metrics are not of the job
 std::vector<NamedText> format_results(const SlamJob& job, const SlamRun& run,
                                       const Metrics& metrics);
 
@@ -64,9 +64,11 @@ std::vector<std::filesystem::path> earlier_consistency(const std::filesystem::pa
 std::string format_metrics(const Metrics& metrics, const std::string& method);
 
 /// trace.json: estimates, detections and hypotheses frame by frame, for a report.
+/// @throws InvalidInput when the run is not of the job
 std::string format_trace(const SlamJob& job, const SlamRun& run);
 
 /// posterior.json: the posterior of the last frame with the names of its poses.
+/// @throws InvalidInput when the run is not of the job
 PosteriorFile last_posterior(const SlamJob& job, const SlamRun& run);
 
 }  // namespace posemix

@@ -19,7 +19,8 @@ namespace posemix {
 /// `observations.csv` has all of them in place of `detections_<id>.tum`, and `sources.csv` of which
 /// object each is. Poses have nine decimals,
 /// which are the digits of SimulatedPose: the same simulation gives the same bytes on any machine.
-/// @throws InvalidInput where there would be observations but nothing is ever detected
+/// @throws InvalidInput where there would be observations but nothing is ever detected, and as
+/// validate for a recording
 std::map<std::string, std::string> format_simulation(const SimulationFile& file,
                                                      const SimulatedSequence& simulated,
                                                      std::uint64_t seed);

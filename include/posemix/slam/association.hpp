@@ -107,13 +107,15 @@ struct Assignment {
 
 /// The `count` assignments of least cost, the best first, of which there may be fewer; an entry
 /// from `impossible` on is never chosen (Murty, 1968). O(count rows^3 columns).
-/// @throws InvalidInput as least_cost_assignment, and when `count` is zero
+/// @throws InvalidInput as least_cost_assignment, when `count` is zero, and when `impossible` is
+/// NaN
 std::vector<Assignment> best_assignments(const Eigen::MatrixXd& cost, std::size_t count,
                                          double impossible);
 
 /// Probability of every pair of a row and one of the first `columns` columns, where an assignment
 /// has the log probability -cost / 2, up to a constant: that of joint probabilistic data
 /// association over the assignments that are given.
+/// @throws InvalidInput when a column is negative, or assignments are not of as many rows
 Eigen::MatrixXd association_probabilities(std::span<const Assignment> assignments,
                                           Eigen::Index columns);
 

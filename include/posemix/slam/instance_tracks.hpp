@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "posemix/base/range.hpp"
 #include "posemix/base/state_fields.hpp"
 #include "posemix/base/words.hpp"
 #include "posemix/lie/lie.hpp"
@@ -75,8 +76,8 @@ struct TrackedDetection {
   Vector6d residual = Vector6d::Zero();  ///< as ObjectUpdateReport::residual
 };
 
-/// Existence and health of the objects of a tracker, by their index. A frame is `begin`, then
-/// `look` and `detected` in any order, then `end`.
+/// Existence and health of the objects of a tracker, by their index: one that nothing has throws
+/// InvalidInput. A frame is `begin`, then `look` and `detected` in any order, then `end`.
 class InstanceTracks {
  public:
   /// @throws InvalidInput when a setting is out of range
@@ -89,20 +90,24 @@ class InstanceTracks {
   void forget(std::size_t object);
 
   /// A frame begins, `dt` seconds after the last.
+  /// @throws InvalidInput when the time is negative or not finite
   void begin(double dt);
   /// The frame has an image of the camera of this name at T_body_camera, that was searched by the
   /// named detector, or by all of that camera.
   void look(const std::string& camera, const std::optional<std::string>& detector,
             const SE3d& body_camera);
+  /// @throws InvalidInput when a number is not finite, too
   void detected(std::size_t object, const TrackedDetection& detection);
   /// The frame ends with the objects at these places.
+  /// @throws InvalidInput, and nothing has changed, when there is not one place for each object, or
+  /// one was detected by a camera and detector of which `look` was never told
   void end(std::span<const TrackedPlace> places);
 
   /// Number of detections of the object, and the frame of the last one.
-  std::size_t detections(std::size_t object) const { return tracks_[object].detections; }
-  std::size_t last_frame(std::size_t object) const { return tracks_[object].last_frame; }
+  std::size_t detections(std::size_t object) const { return track_of(object).detections; }
+  std::size_t last_frame(std::size_t object) const { return track_of(object).last_frame; }
   /// What fit_existence learns from, without the truth.
-  const InstanceCounts& counts(std::size_t object) const { return tracks_[object].counts; }
+  const InstanceCounts& counts(std::size_t object) const { return track_of(object).counts; }
   /// Probability that the object exists, eq. (4) and (5); none before its first detection. It is
   /// one for an object that is known to exist.
   std::optional<double> existence(std::size_t object) const;
@@ -153,6 +158,11 @@ class InstanceTracks {
     FieldOfView view;
   };
 
+  const Track& track_of(std::size_t object) const {
+    internal::check_index(object, tracks_.size(), "object");
+    return tracks_[object];
+  }
+  void check(std::span<const TrackedPlace> places) const;
   bool is_lost(const Track& track) const;
   bool is_inconsistent(const Track& track) const;
   void look_at(Track& track, Sighting sighting) const;

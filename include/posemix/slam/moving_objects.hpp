@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "posemix/base/range.hpp"
 #include "posemix/base/state_fields.hpp"
 #include "posemix/filter/moving_object_filter.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
@@ -43,12 +44,18 @@ class MovingObjects {
   void forget(std::size_t object);
 
   /// Whether an object may be held by the frame.
-  bool may_hold(std::size_t frame) const { return may_hold_[frame]; }
+  /// @throws InvalidInput when there is no such frame
+  bool may_hold(std::size_t frame) const {
+    internal::check_index(frame, may_hold_.size(), "frame");
+    return may_hold_[frame];
+  }
 
   /// @throws InvalidInput for poses of frames that are not valid, and where an object may be held
   /// by a frame of which no pose was given so far
   void check(const FrameInput& input) const;
   /// Predicts all objects by `dt` seconds.
+  /// @throws InvalidInput when the time is negative or not finite, or for poses of frames that are
+  /// not valid
   void begin(double dt, const std::vector<std::optional<KnownFrame>>& frames);
   /// The objects follow the correction of the camera as far as it is one of an error that was there
   /// when they were seen. `before` is the camera of the last frame, `predicted` before this frame's
@@ -60,6 +67,7 @@ class MovingObjects {
   void camera_ceases_to_last(const PoseDensity& before);
 
   /// An observation at the time of the frame.
+  /// @throws InvalidInput for an object that does not move, and as MovingObjectFilter::update
   ObjectUpdateReport update(std::size_t object, Observation observation, const KnownCamera& camera);
   /// T_camera_object as the detector sees it, of the most probable hypothesis.
   PoseDensity predicted_detection(std::size_t object, const KnownCamera& camera) const;
@@ -84,7 +92,8 @@ class MovingObjects {
     MovingObjectFilter unseen;  ///< as it began
   };
 
-  Track& track(std::size_t object) { return tracks_.at(object); }
+  /// @throws InvalidInput for an object that does not move
+  const Track& track(std::size_t object) const;
   std::vector<KnownFrame> known_frames() const;
   void move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant);
 
@@ -99,6 +108,7 @@ class MovingObjects {
 
 /// Puts what is known of a moving object into the estimate of a frame, but for the pose from the
 /// camera; `with_alternatives` all its hypotheses.
+/// @throws InvalidInput when there is no such object in the estimate, or no hypothesis
 void report_moving(std::size_t object, const MovingObjectEstimate& estimate, bool with_alternatives,
                    FrameEstimate& frame);
 

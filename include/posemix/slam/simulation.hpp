@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "posemix/base/range.hpp"
 #include "posemix/base/units.hpp"
 #include "posemix/slam/object_slam.hpp"
 #include "posemix/slam/sequence.hpp"
@@ -147,9 +148,16 @@ struct SimulatedObject {
   /// By frame, whether the object is there; no entries for one that always is.
   std::vector<bool> present = {};
 
-  bool is_present(std::size_t frame) const { return present.empty() || present[frame]; }
+  /// @throws InvalidInput when there is no such frame; `world_at`, too
+  bool is_present(std::size_t frame) const {
+    if (present.empty()) return true;
+    internal::check_index(frame, present.size(), "frame");
+    return present[frame];
+  }
   const SimulatedPose& world_at(std::size_t frame) const {
-    return world_path.empty() ? world_truth : world_path[frame];
+    if (world_path.empty()) return world_truth;
+    internal::check_index(frame, world_path.size(), "frame");
+    return world_path[frame];
   }
 };
 
@@ -183,8 +191,13 @@ struct SimulatedSequence {
 
   /// The recording as object SLAM takes it. Of objects that have a class neither detections nor
   /// truth are part of it: which instance follows which of them is not known before.
+  /// @throws InvalidInput as validate
   Sequence sequence() const;
 };
+
+/// @throws InvalidInput naming a vector over frames without one entry per stamp, a pose of which a
+/// coordinate is beyond kFarthestPosition, or a detection of an object that is not there
+void validate(const SimulatedSequence& simulated);
 
 /// @throws InvalidInput naming the setting that is out of range
 void validate(const SimulationConfig& config);

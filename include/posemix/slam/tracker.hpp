@@ -58,7 +58,11 @@ class TrackedObjects {
   explicit TrackedObjects(std::vector<ObjectModel> models);
 
   const std::vector<ObjectModel>& models() const { return models_; }
-  const ObjectModel& operator[](std::size_t object) const { return models_[object]; }
+  /// @throws InvalidInput as require
+  const ObjectModel& operator[](std::size_t object) const {
+    require(object);
+    return models_[object];
+  }
   std::size_t size() const { return models_.size(); }
   /// @throws InvalidInput, which names the index and the number of models, unless `object` is the
   /// index of one
