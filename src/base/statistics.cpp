@@ -72,17 +72,21 @@ double gaussian_norm_quantile(const Eigen::MatrixXd& covariance, double probabil
   kOpenUnitInterval.check(probability, "probability");
   require(covariance.rows() == covariance.cols() && covariance.allFinite(),
           "gaussian_norm_quantile: covariance is not square or not finite");
-  const Eigen::MatrixXd squared = covariance * covariance;
-  const double first = covariance.trace();
+  const double largest = covariance.size() == 0 ? 0.0 : covariance.cwiseAbs().maxCoeff();
+  if (!(largest > 0.0)) return 0.0;
+  // In a unit of its own, a power of two, so that the sixth power of no covariance overflows.
+  const int unit = std::ilogb(largest);
+  const Eigen::MatrixXd scaled = covariance * std::ldexp(1.0, -unit);
+  const Eigen::MatrixXd squared = scaled * scaled;
+  const double first = scaled.trace();
   const double second = squared.trace();
-  const double third = (squared * covariance).trace();
+  const double third = (squared * scaled).trace();
   if (!(second > 0.0 && third > 0.0)) return 0.0;
-  require(std::isfinite(second * second * second) && std::isfinite(third * third),
-          "gaussian_norm_quantile: powers of the covariance overflow");
   const double dof = second * second * second / (third * third);
   const double quantile = boost::math::quantile(ChiSquared(dof), probability);
   const double standard = (quantile - dof) / std::sqrt(2.0 * dof);
-  return std::sqrt(std::max(0.0, first + std::sqrt(2.0 * second) * standard));
+  const double square = std::max(0.0, first + std::sqrt(2.0 * second) * standard);
+  return std::sqrt(std::ldexp(square, unit));
 }
 
 std::pair<double, double> chi_square_band(std::size_t count, std::size_t dof) {

@@ -25,6 +25,7 @@ PoseConsensus fuse_estimates(std::span<const ConsensusMember> members,
                              const ConsensusSettings& settings, RandomStream& stream) {
   require(!members.empty(), "a consensus needs at least one estimate");
   require(settings.draws_per_member > 0, "a consensus needs at least one draw per estimate");
+  internal::check_count(settings.draws_per_member, "consensus: draws_per_member");
   require(settings.correlation >= 0.0 && settings.correlation <= 1.0,
           "correlation of estimates outside [0, 1]");
   for (const ConsensusMember& member : members)

@@ -126,10 +126,7 @@ bool MovingObjects::is_known(std::size_t object) const {
   return found != tracks_.end() && found->second.filter.observation_count() > 0;
 }
 
-void MovingObjects::forget(std::size_t object) {
-  const MovingObjectFilter& unseen = track(object).unseen;
-  tracks_.at(object).filter = unseen;
-}
+void MovingObjects::forget(std::size_t object) { track(object).filter = track(object).unseen; }
 
 std::vector<KnownFrame> MovingObjects::known_frames() const {
   std::vector<KnownFrame> known;
@@ -138,15 +135,14 @@ std::vector<KnownFrame> MovingObjects::known_frames() const {
   return known;
 }
 
-const MovingObjects::Track& MovingObjects::track(std::size_t object) const {
-  const auto found = tracks_.find(object);
-  if (found == tracks_.end())
+void MovingObjects::require_moving(std::size_t object) const {
+  if (!has(object))
     throw InvalidInput(fmt::format("object {} does not move, it has no track of its own", object));
-  return found->second;
 }
 
 const MovingObjectFilter& MovingObjects::filter(std::size_t object) const {
-  return track(object).filter;
+  require_moving(object);
+  return tracks_.at(object).filter;
 }
 
 void MovingObjects::check(const FrameInput& input) const {
@@ -231,10 +227,9 @@ void MovingObjects::move_world(const SE3d& by, const Matrix6d& added, const Matr
 
 ObjectUpdateReport MovingObjects::update(std::size_t object, Observation observation,
                                          const KnownCamera& camera) {
-  static_cast<void>(track(object));  // or it is refused
   observation.stamp_s = time_s_;
   const MovingObjectReport report =
-      tracks_.at(object).filter.update(observation, camera, known_frames());
+      track(object).filter.update(observation, camera, known_frames());
   constant_ = camera.constant_covariance;
   return {.started = report.started,
           .changed_leader = report.changed_leader,

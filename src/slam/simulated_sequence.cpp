@@ -18,7 +18,7 @@ void refuse(std::string_view of, std::string_view what) {
   throw InvalidInput(fmt::format("simulated recording: {} {}", of, what));
 }
 
-void check_count(std::string_view of, std::size_t entries, std::size_t stamps) {
+void check_entries(std::string_view of, std::size_t entries, std::size_t stamps) {
   if (entries != stamps) refuse(of, fmt::format("has {} entries for {} stamps", entries, stamps));
 }
 
@@ -34,7 +34,7 @@ void check_pose(std::string_view of, const SimulatedPose& pose) {
 }
 
 void check_track(std::string_view of, const std::vector<SimulatedPose>& track, std::size_t stamps) {
-  check_count(of, track.size(), stamps);
+  check_entries(of, track.size(), stamps);
   for (const SimulatedPose& pose : track) check_pose(of, pose);
 }
 
@@ -43,18 +43,18 @@ void check_object(const SimulatedObject& object, bool has_sightings, std::size_t
     return fmt::format("{} of object '{}'", part, object.id);
   };
   check_track(name("relative_truth"), object.relative_truth, stamps);
-  check_count(name("detections"), object.detections.size(), stamps);
+  check_entries(name("detections"), object.detections.size(), stamps);
   for (const auto& detection : object.detections)
     if (detection) check_pose(name("detections"), *detection);
   if (object.world_path.empty()) check_pose(name("world_truth"), object.world_truth);
   if (!object.world_path.empty()) check_track(name("world_path"), object.world_path, stamps);
-  if (!object.present.empty()) check_count(name("present"), object.present.size(), stamps);
+  if (!object.present.empty()) check_entries(name("present"), object.present.size(), stamps);
   if (!has_sightings && !object.class_id.empty())
     refuse(fmt::format("object '{}'", object.id), "has a class, but there are no sightings");
 }
 
 void check_sightings(const SimulatedSequence& simulated) {
-  check_count("sightings", simulated.sightings.size(), simulated.stamps_ns.size());
+  check_entries("sightings", simulated.sightings.size(), simulated.stamps_ns.size());
   for (const auto& frame : simulated.sightings) {
     for (const SimulatedSighting& sighting : frame) {
       check_pose("sightings", sighting.pose);

@@ -14,45 +14,44 @@
 #include <utility>
 #include <vector>
 
-#include "objects.hpp"
+#include "recordings.hpp"
 
 namespace posemix::arguments {
 
-/// What came of the calls of a function.
-struct Report {
-  std::size_t first = 0;  ///< Calls before it are left out.
-  std::size_t calls = 0;
-  std::size_t returned = 0;
-  std::size_t refused = 0;
-  bool is_called = true;     ///< All of its arguments have values.
-  std::string fine_message;  ///< Of the refusal of values that are fine.
-  std::vector<std::string> errors;
-  std::function<void(const std::string&)>
-      begins;  ///< Called before every call, with what is bad in it.
+/// A value of every parameter, by its number among their samples.
+using SampleNumbers = std::vector<std::size_t>;
+
+/// How a function is called.
+struct Calls {
+  SampleNumbers counts;                             ///< of samples
+  std::vector<std::string (*)(std::size_t)> words;  ///< what a sample is
+  std::function<void(const SampleNumbers&)> call;
 };
 
-/// A function of the listing and its calls.
+/// A function of the listing.
 struct Callee {
   std::string_view signature;
-  std::function<void(Report&)> attack;
+  std::function<std::optional<Calls>()> calls;  ///< none where a parameter has no samples
 
-  Callee(std::string_view signature, std::function<void(Report&)> attack);
+  Callee(std::string_view signature, std::function<std::optional<Calls>()> calls);
 };
 
 /// All of them.
 std::vector<const Callee*>& callees();
 
-/// What came of all calls of a function in processes of their own.
+/// What came of all calls of a function.
 struct Outcome {
-  std::size_t calls = 0;
   bool is_called = true;
+  /// Why the first arguments were refused, which are fine for others, and so were all that were
+  /// tried in their place.
   std::string refuses_what_is_fine;
   std::vector<std::string> errors;  ///< what was neither refused as it should be nor done
 };
 
-/// Calls the function in a folder, for what it writes. A call of more than `seconds` is an error,
-/// unless it `may_be_endless`.
-Outcome outcome_of(const Callee& callee, const std::string& folder, unsigned seconds,
+/// Calls the function in processes of their own, which write into a folder: with arguments that it
+/// takes, and with a bad one in place of each. A call of more than `seconds` is an error, unless it
+/// `may_be_endless`.
+Outcome outcome_of(const Callee& callee, const std::filesystem::path& folder, unsigned seconds,
                    bool may_be_endless);
 
 template <class... P>
@@ -96,55 +95,27 @@ struct Kept<T*> {
   static T* pass(Value& value) { return value ? &*value : nullptr; }
 };
 
-std::string word_of(const std::exception& error);
-bool is_refusal(const std::exception& error);
-
 template <class Call, class... P>
-void attack(Report& report, const Call& call, TypeList<P...>) {
+std::optional<Calls> calls_of(const Call& call, TypeList<P...>) {
   if constexpr ((Sampled<typename Kept<P>::Value> && ...)) {
-    constexpr std::size_t kParameters = sizeof...(P);
-    const std::array<std::size_t, kParameters> counts{Samples<typename Kept<P>::Value>::count()...};
-    const auto run = [&](const std::array<std::size_t, kParameters>& chosen,
-                         const std::string& what) {
-      if (report.calls++ < report.first) return;
-      if (report.begins) report.begins(what);
-      try {
-        [&]<std::size_t... I>(std::index_sequence<I...>) {
-          std::tuple<typename Kept<P>::Value...> values{
-              Samples<typename Kept<P>::Value>::make(chosen[I])...};
-          call(Kept<P>::pass(std::get<I>(values))...);
-        }
-        (std::index_sequence_for<P...>{});
-        ++report.returned;
-      } catch (const std::exception& error) {
-        if (is_refusal(error)) {
-          ++report.refused;
-          if (what == "fine") report.fine_message = error.what();
-        } else {
-          report.errors.push_back(what + ": " + word_of(error));
-        }
-      }
-    };
-    const std::array<std::string (*)(std::size_t), kParameters> words{
-        &word_of_sample<typename Kept<P>::Value>...};
-    std::array<std::size_t, kParameters> chosen{};
-    run(chosen, "fine");
-    for (std::size_t p = 0; p < kParameters; ++p) {
-      for (std::size_t i = 1; i < counts[p]; ++i) {
-        chosen[p] = i;
-        run(chosen, fmt::format("argument {}: {}", p + 1, words[p](i)));
-      }
-      chosen[p] = 0;
-    }
+    return Calls{.counts = {Samples<typename Kept<P>::Value>::count()...},
+                 .words = {&word_of_sample<typename Kept<P>::Value>...},
+                 .call = [call](const SampleNumbers& arguments) {
+                   [&]<std::size_t... I>(std::index_sequence<I...>) {
+                     std::tuple<typename Kept<P>::Value...> values{
+                         Samples<typename Kept<P>::Value>::make(arguments[I])...};
+                     call(Kept<P>::pass(std::get<I>(values))...);
+                   }
+                   (std::index_sequence_for<P...>{});
+                 }};
   } else {
-    report.is_called = false;
+    return std::nullopt;
   }
 }
 
 template <class Class, class... P>
-void attack_constructor(Report& report) {
-  attack(
-      report,
+std::optional<Calls> constructor_calls() {
+  return calls_of(
       [](auto&&... a) { [[maybe_unused]] const Class made(std::forward<decltype(a)>(a)...); },
       TypeList<P...>{});
 }

@@ -91,7 +91,7 @@ def functions(lines):
 
 def attacked(parameters, function, first=""):
     call = f"[]({first}auto&&... a) {{ static_cast<void>({function}(std::forward<decltype(a)>(a)...)); }}"
-    return f"  attack(report, {call}, TypeList<{parameters}>{{}});\n"
+    return f"  return calls_of({call}, TypeList<{parameters}>{{}});\n"
 
 
 def call(function, number, classes, nested):
@@ -141,7 +141,7 @@ def call(function, number, classes, nested):
         if is_member:
             target = f"  using Class [[maybe_unused]] = {value};\n"
             if function.last == function.scope.rpartition("::")[2]:
-                target += f"  attack_constructor<Class{', ' if parameters else ''}{parameters}>(report);\n"
+                target += f"  return constructor_calls<Class{', ' if parameters else ''}{parameters}>();\n"
             elif function.is_static:
                 target += attacked(parameters, f"Class::{function.last}")
             else:
@@ -151,7 +151,7 @@ def call(function, number, classes, nested):
             is_deduced = all(re.search(rf"(?<!typename )\b{letter}\b", " ".join(function.parameters)) for letter in replaced)
             explicit = "" if is_deduced else f"< {value} >"
             target = attacked(parameters, f"posemix::{function.name}{explicit}")
-        lines.append(f'const Callee kCallee{number}_{index}{{"{text}", [](Report& report [[maybe_unused]]) {{\n{opened}{target}}}}};\n')
+        lines.append(f'const Callee kCallee{number}_{index}{{"{text}", [] {{\n{opened}{target}}}}};\n')
     return "".join(lines)
 
 

@@ -12,17 +12,10 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
-#include <map>
-#include <memory>
-#include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <tuple>
 #include <type_traits>
-#include <utility>
-#include <variant>
-#include <vector>
 
 #include <fmt/format.h>
 #include <Eigen/Core>
@@ -36,9 +29,22 @@ struct Samples;
 template <class T>
 struct Fields;
 
-/// A value that is fine where the default constructor makes none.
+/// Names a type for the overloads of `good`.
 template <class T>
-struct Good;
+struct Type {};
+
+/// A value that is fine where the default constructor makes none: `T good(Type<T>)`.
+template <class T>
+T good() {
+  return good(Type<T>());
+}
+
+/// What `make` makes, which takes its time, made once.
+template <class Make>
+auto once(const Make& make) {
+  static const auto kept = make();
+  return kept;
+}
 
 template <class T>
 concept Sampled = requires {
@@ -47,7 +53,7 @@ concept Sampled = requires {
 
 template <class T>
 concept HasGood = requires {
-  Good<T>::make();
+  good(Type<T>());
 };
 
 template <class T>
@@ -119,11 +125,13 @@ struct Enumerators {
 
 template <>
 struct Samples<std::string> {
-  static std::size_t count() { return 9; }
+  static std::size_t count() { return 14; }
   static std::string make(std::size_t i) {
-    const std::array<std::string, 9> values{
-        "cup",         "",          std::string(1, '\0'),     "nan",           "a\nb\x1b[31m",
-        "0 1 2 3 nan", "{\"a\": [", std::string(70'000, '9'), "../../\xff\xfe"};
+    const std::array<std::string, 14> values{"cup", "", std::string(1, '\0'), "nan", "a\nb\x1b[31m",
+                                             "0 1 2 3 nan", "{\"a\": [", std::string(70'000, '9'),
+                                             "../../\xff\xfe",
+                                             // Keys of the table of settings, and a camera.
+                                             "a", "b", "c", "d", "left"};
     return values[i];
   }
 };
@@ -142,10 +150,16 @@ struct Samples<std::filesystem::path> {
   }
 };
 
+/// A function that returns a value that is fine, and none.
 template <class R, class... A>
 struct Samples<std::function<R(A...)>> {
-  static std::size_t count() { return 1; }
-  static std::function<R(A...)> make(std::size_t) { return {}; }
+  static std::size_t count() { return 2; }
+  static std::function<R(A...)> make(std::size_t i) {
+    if (i == 1) return {};
+    return [](A...) {
+      if constexpr (!std::is_void_v<R>) return fine<R>();
+    };
+  }
 };
 
 /// Vectors and matrices: what is fine is small and, of a square one, positive definite.
@@ -204,105 +218,11 @@ struct Samples<Eigen::Matrix<double, Rows, Columns, Options>> {
   }
 };
 
-/// Sequences: three that are fine, none, one, and one bad one among them.
-template <class T>
-requires Sampled<T>
-struct Samples<std::vector<T>> {
-  static std::size_t count() { return 3 + Samples<T>::count() - 1; }
-  static std::vector<T> make(std::size_t i) {
-    std::vector<T> values;
-    for (std::size_t k = 0; k < (i == 1 ? 0U : i == 2 ? 1U : 3U); ++k) {
-      values.push_back(Samples<T>::make(k == 1 && i > 2 ? i - 2 : 0));
-    }
-    return values;
-  }
-  static std::string word(std::size_t i) {
-    return i == 0   ? "three"
-           : i == 1 ? "none"
-           : i == 2 ? "one"
-                    : "three, of which one is " + word_of_sample<T>(i - 2);
-  }
-};
-
-template <class T, std::size_t Size>
-requires Sampled<T>
-struct Samples<std::array<T, Size>> {
-  static std::size_t count() { return Samples<T>::count(); }
-  static std::array<T, Size> make(std::size_t i) {
-    std::array<T, Size> values;
-    values.fill(fine<T>());
-    values.back() = Samples<T>::make(i);
-    return values;
-  }
-};
-
-template <class T>
-requires Sampled<T>
-struct Samples<std::optional<T>> {
-  static std::size_t count() { return 1 + Samples<T>::count(); }
-  static std::optional<T> make(std::size_t i) {
-    if (i == 0) return std::nullopt;
-    return std::optional<T>(Samples<T>::make(i - 1));
-  }
-  static std::string word(std::size_t i) { return i == 0 ? "empty" : word_of_sample<T>(i - 1); }
-};
-
-template <class T>
-requires Sampled<std::remove_const_t<T>>
-struct Samples<std::shared_ptr<T>> {
-  using Value = std::remove_const_t<T>;
-  static std::size_t count() { return Samples<Value>::count(); }
-  static std::shared_ptr<T> make(std::size_t i) {
-    return std::make_shared<Value>(Samples<Value>::make(i));
-  }
-};
-
-template <class A, class B>
-requires(Sampled<A>&& Sampled<B>) struct Samples<std::pair<A, B>> {
-  static std::size_t count() { return Samples<A>::count() + Samples<B>::count() - 1; }
-  static std::pair<A, B> make(std::size_t i) {
-    const std::size_t first = Samples<A>::count();
-    return i < first ? std::pair<A, B>(Samples<A>::make(i), fine<B>())
-                     : std::pair<A, B>(fine<A>(), Samples<B>::make(i - first + 1));
-  }
-};
-
-template <class K, class V>
-requires Sampled<std::pair<K, V>>
-struct Samples<std::map<K, V>> {
-  using Pair = Samples<std::pair<K, V>>;
-  static std::size_t count() { return 1 + Pair::count(); }
-  static std::map<K, V> make(std::size_t i) {
-    std::map<K, V> values;
-    if (i != 1) values.insert(Pair::make(i == 0 ? 0 : i - 1));
-    return values;
-  }
-};
-
-/// All alternatives.
-template <class... T>
-requires(Sampled<T>&&...) struct Samples<std::variant<T...>> {
-  static std::size_t count() { return (Samples<T>::count() + ...); }
-  static std::variant<T...> make(std::size_t i) {
-    std::optional<std::variant<T...>> value;
-    const auto look = [&]<class A>() {
-      if (value) return;
-      if (i < Samples<A>::count()) {
-        value = std::variant<T...>(Samples<A>::make(i));
-      } else {
-        i -= Samples<A>::count();
-      }
-    };
-    (look.template operator()<T>(), ...);
-    return *value;
-  }
-};
-
 /// What is not taken apart: a value that is fine, and no other.
 template <class T>
 requires(HasGood<T> && !HasFields<T>) struct Samples<T> {
   static std::size_t count() { return 1; }
-  static T make(std::size_t) { return Good<T>::make(); }
+  static T make(std::size_t) { return good<T>(); }
 };
 
 /// Structs: one field after the other is bad.
@@ -342,7 +262,7 @@ requires(HasFields<T> && (HasGood<T> || std::default_initializable<T>)) struct S
   }
   static T base() {
     if constexpr (HasGood<T>) {
-      return Good<T>::make();
+      return good<T>();
     } else {
       return T{};
     }

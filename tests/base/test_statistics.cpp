@@ -49,6 +49,9 @@ TEST(Statistics, NormOfAGaussian) {
   EXPECT_NEAR(norm(1.0, 0.5, 0.5), 3.23791, 0.006 * 3.2);
   EXPECT_NEAR(norm(25.0, 1.0, 1.0), 15.06802, 0.006 * 15.0);
   EXPECT_EQ(norm(0.0, 0.0, 0.0), 0.0);
+  // In any unit: the sixth powers of these overflow, or are zero.
+  for (const double scale : {0x1p600, 0x1p-600})
+    EXPECT_EQ(norm(4.0 * scale, scale, 0.25 * scale), std::sqrt(scale) * norm(4.0, 1.0, 0.25));
   EXPECT_THROW(gaussian_norm_quantile(Eigen::Matrix2d::Identity(), 1.0), InvalidInput);
   EXPECT_THROW(norm(1.0, NAN, 1.0), InvalidInput);
   EXPECT_THROW(gaussian_norm_quantile(Eigen::MatrixXd::Zero(2, 3), share), InvalidInput);

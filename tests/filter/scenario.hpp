@@ -2,7 +2,10 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -22,6 +25,29 @@ inline SE3d pose(double rx, double ry, double rz, double x, double y, double z) 
 inline Matrix6d isotropic(double rotation_sd_deg, double translation_sd_m) {
   return pose_covariance(Eigen::Vector3d::Constant(radians(rotation_sd_deg)),
                          Eigen::Vector3d::Constant(translation_sd_m));
+}
+
+/// A noise with one entry that has no mirror image: rounding beside the largest variance, and
+/// `share` times as much as those of its row and its column allow.
+inline Matrix6d lopsided_noise(double share) {
+  Matrix6d upper = isotropic(1.0, 0.01);
+  upper(4, 4) = 1e8;
+  upper(0, 5) = share * std::sqrt(upper(0, 0) * upper(5, 5));
+  return upper;
+}
+
+/// Expects that `after`, of a noise, computes with its symmetric part, and refuses one that is
+/// negative in some direction.
+template <class After>
+void expect_the_symmetric_part_to_count(const After& after) {
+  const Matrix6d upper = lopsided_noise(1.5);
+  Matrix6d symmetric = upper;
+  symmetrize(symmetric);
+  EXPECT_EQ(after(upper), after(symmetric));
+  EXPECT_EQ(after(upper.transpose()), after(symmetric));
+  const Matrix6d negative = lopsided_noise(3.0);
+  EXPECT_THROW(after(negative), InvalidInput);
+  EXPECT_THROW(after(negative.transpose()), InvalidInput);
 }
 
 /// A sample of N(0, covariance).

@@ -84,27 +84,14 @@ TEST(MultiObjectFilter, RefusesANoiseThatIsNegativeInSomeDirectionAndStaysAsItWa
   refused("covariance of the motion at rest", [&] { moved(good, good, bad); });
 }
 
-// An entry that is rounding beside the largest one, and not beside the variances of its row and its
-// column.
 TEST(MultiObjectFilter, ComputesWithTheSymmetricPartOfANoise) {
-  Matrix6d upper = isotropic(1.0, 0.01);
-  upper(4, 4) = 1e8;
-  const double most = std::sqrt(upper(0, 0) * upper(5, 5));
-  upper(0, 5) = 1.5 * most;
-  Matrix6d symmetric = upper;
-  symmetrize(symmetric);
-  const auto after = [](const Matrix6d& q) {
+  testing::expect_the_symmetric_part_to_count([](const Matrix6d& q) {
     MultiObjectFilter filter = filter_that_has_seen();
     filter.predict_with_odometry(SE3d(), q, 0.1);
     filter.predict_random_walk(q, 0.1);
     filter.predict_constant_velocity(1.0, q, q, q, 0.1);
     return Eigen::MatrixXd(filter.joint().covariance());
-  };
-  EXPECT_EQ(after(upper), after(symmetric));
-  EXPECT_EQ(after(upper.transpose()), after(symmetric));
-  upper(0, 5) = 3.0 * most;
-  EXPECT_THROW(after(upper), InvalidInput);
-  EXPECT_THROW(after(upper.transpose()), InvalidInput);
+  });
 }
 
 TEST(MultiObjectFilter, RefusesWhatIsFartherThanAnythingAndStaysAsItWas) {

@@ -125,6 +125,22 @@ TEST(FuseViews, TakesGivenCovariancesAndClutter) {
   EXPECT_LT(fuse_views(views, classes)[0].probability, before);
 }
 
+// Within 1e-6 of the largest entry mirror images may differ.
+TEST(FuseViews, TakesTheSymmetricPartOfAGivenCovariance) {
+  std::vector<View> views = exact_views({object_at()}, 1);
+  const auto fused = [&](const Matrix6d& given) {
+    views[0].observations[0].components[0].covariance = given;
+    const auto instances = fuse_views(views, {{"cup", {white_noise(), {}}}});
+    return Matrix6d(instances[0].density[0].density.covariance());
+  };
+  Matrix6d lopsided = pose_covariance({0.01, 0.02, 1.0}, {0.001, 0.002, 0.003});
+  lopsided(3, 4) = 5e-7;
+  Matrix6d symmetric = lopsided;
+  symmetrize(symmetric);
+  EXPECT_EQ(fused(lopsided), fused(symmetric));
+  EXPECT_EQ(fused(lopsided.transpose()), fused(symmetric));
+}
+
 TEST(FuseViews, ANamedObjectIsOne) {
   std::vector<View> views = exact_views({object_at(), object_at(0.3, 0.0)});
   for (View& view : views) {

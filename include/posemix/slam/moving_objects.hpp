@@ -93,7 +93,11 @@ class MovingObjects {
   };
 
   /// @throws InvalidInput for an object that does not move
-  const Track& track(std::size_t object) const;
+  void require_moving(std::size_t object) const;
+  Track& track(std::size_t object) {
+    require_moving(object);
+    return tracks_.at(object);
+  }
   std::vector<KnownFrame> known_frames() const;
   void move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant);
 

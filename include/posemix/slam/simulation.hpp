@@ -196,7 +196,8 @@ struct SimulatedSequence {
 };
 
 /// @throws InvalidInput naming a vector over frames without one entry per stamp, a pose of which a
-/// coordinate is beyond kFarthestPosition, or a detection of an object that is not there
+/// coordinate is beyond kFarthestPosition or the quaternion is zero, a detection of an object that
+/// is not there, or an object with a class where there are no sightings
 void validate(const SimulatedSequence& simulated);
 
 /// @throws InvalidInput naming the setting that is out of range
