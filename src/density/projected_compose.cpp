@@ -159,6 +159,7 @@ ProjectedGaussian<SE3d> compose_by_jacobian(const ProjectedGaussian<SE3d>& x,
   j1.bottomRightCorner<3, 3>() = r2;
   Matrix6d covariance = j2 * x.covariance() * j2.transpose() + j1 * y.covariance() * j1.transpose();
   symmetrize(covariance);
+  internal::require_no_overflow(covariance, "composition");
   return ProjectedGaussian<SE3d>::trusted(x.mean() * y.mean(), covariance);
 }
 
@@ -179,6 +180,7 @@ ProjectedGaussian<SE3d> inverse_by_jacobian(const ProjectedGaussian<SE3d>& x) {
   j.bottomRightCorner<3, 3>() = -r.transpose();
   Matrix6d covariance = j * x.covariance() * j.transpose();
   symmetrize(covariance);
+  internal::require_no_overflow(covariance, "inverse");
   return ProjectedGaussian<SE3d>::trusted(inverse, covariance);
 }
 
@@ -189,6 +191,7 @@ ProjectedGaussian<SE3d> moved_by_jacobian(const ProjectedGaussian<SE3d>& x, cons
   j.bottomLeftCorner<3, 3>() = -2.0 * x.tangent_point().matrix() * SO3d::hat(b.translation());
   Matrix6d covariance = j * x.covariance() * j.transpose();
   symmetrize(covariance);
+  internal::require_no_overflow(covariance, "composition");
   return ProjectedGaussian<SE3d>::trusted(x.mean() * b, covariance);
 }
 

@@ -7,6 +7,7 @@
 
 #include <Eigen/Eigenvalues>
 
+#include "posemix/base/error.hpp"
 #include "posemix/base/gaussian_cubature.hpp"
 
 namespace posemix::internal {
@@ -89,6 +90,9 @@ template <RotationOrPose G>
 void normalize(QuadraturePoints<G>& points) {
   double sum = 0.0;
   for (const double weight : points.weights) sum += weight;
+  require(sum > 0.0,
+          "conversion: no point of the density is within 150 deg of its centre, "
+          "expected a narrower one");
   for (double& weight : points.weights) weight /= sum;
 }
 

@@ -29,6 +29,7 @@ inline constexpr double kReach = 150.0 * std::numbers::pi / 180.0;
 
 /// The quadrature points of a density within kReach. For a pose, every rotation is combined with
 /// six translations that have the mean and the covariance of the translation given the rotation.
+/// @throws InvalidInput where none is within kReach
 template <RotationOrPose G>
 QuadraturePoints<G> quadrature_points(const TangentGaussian<G>& density, PointRule rule);
 template <RotationOrPose G>

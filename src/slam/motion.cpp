@@ -6,35 +6,20 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/linear.hpp"
 #include "posemix/base/range.hpp"
+#include "posemix/lie/pose_checks.hpp"
 
 namespace posemix::internal {
 
-void check_noise(const ProcessNoise& noise, const char* name) {
-  constexpr double kRounding = 1e-9;
-  const Matrix6d& covariance = noise.covariance;
-  if (!covariance.allFinite())
-    throw InvalidInput(fmt::format("{} holds a value that is not finite", name));
-  const double rounding = kRounding * covariance.cwiseAbs().maxCoeff();
-  if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > rounding)
-    throw InvalidInput(fmt::format("{} is not symmetric", name));
-  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(covariance, Eigen::EigenvaluesOnly);
-  if (const double least = eigen.eigenvalues().minCoeff(); least < -rounding) {
-    throw InvalidInput(
-        fmt::format("{} has a variance of {:.3g}, expected none that is negative", name, least));
-  }
-}
-
 const MotionSettings& checked(const MotionSettings& motion) {
   kPositive.check(motion.period_s, "motion: period_s");
-  check_noise(motion.noise, "motion: noise");
-  check_noise(motion.walk, "motion: walk");
-  check_noise(motion.motion_noise, "motion: motion_noise");
-  check_noise(motion.unknown_motion, "motion: unknown_motion");
+  check_noise(motion.noise.covariance, "motion: noise");
+  check_noise(motion.walk.covariance, "motion: walk");
+  check_noise(motion.motion_noise.covariance, "motion: motion_noise");
+  check_noise(motion.unknown_motion.covariance, "motion: unknown_motion");
   if (motion.model == MotionModel::given)
     checked_covariance(motion.noise.covariance, 6, "motion: the noise of a given pose");
   return motion;

@@ -32,12 +32,8 @@ struct CameraStep {
   std::optional<PoseDensity> given = {};
 };
 
-/// @throws InvalidInput naming the noise when it is not symmetric, not finite or has a negative
-/// variance in some direction; none at all is allowed
-void check_noise(const ProcessNoise& noise, const char* name);
-
 /// The settings as they are given.
-/// @throws InvalidInput when the period is not positive and finite, or as `check_noise`
+/// @throws InvalidInput when the period is not positive and finite, or as `check_noise` for a noise
 const MotionSettings& checked(const MotionSettings& motion);
 
 /// @throws InvalidInput for a model in which the camera is given, which `where` does not have

@@ -11,6 +11,7 @@
 #include "posemix/base/error.hpp"
 #include "posemix/base/range.hpp"
 #include "posemix/base/stopwatch.hpp"
+#include "posemix/lie/pose_checks.hpp"
 #include "posemix/slam/moving_objects.hpp"
 #include "slam/frames.hpp"
 #include "slam/particles.hpp"
@@ -27,7 +28,7 @@ const ParticleFilterSettings& checked(const ParticleFilterSettings& settings) {
         fmt::format("particle filter: resample_below is {}, expected a number in [0, 1]",
                     settings.resample_below));
   }
-  internal::check_noise(settings.object_walk, "particle filter: object_walk");
+  check_noise(settings.object_walk.covariance, "particle filter: object_walk");
   checked_covariance(settings.kernel, 6, "particle filter: kernel");
   return settings;
 }

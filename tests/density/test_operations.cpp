@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "posemix/density/projected_operations.hpp"
 #include "posemix/testing/density_draw.hpp"
 #include "posemix/testing/expect.hpp"
 #include "posemix/testing/numeric_jacobian.hpp"
@@ -159,6 +160,28 @@ TEST(Operations, BetweenAgreesWithMonteCarlo) {
     return x.sample(stream).inverse() * y.sample(stream);
   };
   EXPECT_LT(worst_score(between(x, y), draw), 4.5);
+}
+
+// The square of a lever of 1e299 m is no number.
+TEST(Operations, OfPosesSoFarAwayThatVariancesOverflowAreRefused) {
+  const SE3d far_away(SO3d(), {1e299, 0.0, 0.0});
+  const ConcentratedGaussian<SE3d> at_origin(SE3d(), 1e-7 * Matrix6d::Identity());
+  const ConcentratedGaussian<SE3d> away(far_away, 1e-7 * Matrix6d::Identity());
+  const std::string expected = ": the covariance overflows; expected poses nearer to the origin";
+  EXPECT_EQ(testing::thrown_message([&] { compose(away, at_origin); }), "composition" + expected);
+  EXPECT_EQ(testing::thrown_message([&] { inverse(away); }), "inverse" + expected);
+  EXPECT_EQ(testing::thrown_message([&] { between(away, at_origin); }), "inverse" + expected);
+  EXPECT_EQ(compose(at_origin, away).covariance()(5, 5), 2e-7);
+}
+
+TEST(Operations, OfProjectedGaussiansAreRefusedThereToo) {
+  const SE3d far_away(SO3d(), {1e299, 0.0, 0.0});
+  const ProjectedGaussian<SE3d> at_origin(SE3d(), 1e-7 * Matrix6d::Identity());
+  const ProjectedGaussian<SE3d> away(far_away, 1e-7 * Matrix6d::Identity());
+  for (const CompositionRule rule : {CompositionRule::jacobian, CompositionRule::cubature}) {
+    EXPECT_THROW(compose(at_origin, away, rule), InvalidInput);
+    EXPECT_THROW(inverse(away, rule), InvalidInput);
+  }
 }
 
 /// Errors of `recenter` against the exact moments of Log(X A^-1), the covariance relative. Exact

@@ -265,5 +265,18 @@ TEST(ConversionOfMixtures, RefusesByNumber) {
   EXPECT_THROW(to_projected(wide_and_narrow(), stream, {.max_pieces = 0}), InvalidInput);
 }
 
+// 1e100 half turns: the weights of all points were 0 / 0.
+TEST(Conversion, OfADensityWithoutAPointWithinReachIsRefused) {
+  Matrix6d wide = 1e-4 * Matrix6d::Identity();
+  wide(0, 0) = 1e200;
+  const std::string expected =
+      "conversion: no point of the density is within 150 deg of its centre, expected a narrower "
+      "one";
+  EXPECT_EQ(testing::thrown_message([&] { to_projected(ConcentratedGaussian<SE3d>({}, wide)); }),
+            expected);
+  EXPECT_EQ(testing::thrown_message([&] { to_concentrated(ProjectedGaussian<SE3d>({}, wide)); }),
+            expected);
+}
+
 }  // namespace
 }  // namespace posemix

@@ -4,6 +4,8 @@
 
 #include <array>
 
+#include <Eigen/Eigenvalues>
+
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/filter/iterated_update.hpp"
 #include "scenario.hpp"
@@ -233,6 +235,29 @@ TEST(IteratedUpdate, MotionInTheStateIsNoPartOfTheCommonMotion) {
   const Hypothesis moved(shifts * mean, shifts.adjoint_congruence(prior.covariance()));
   const UpdateResult there = iterated_update(moved, std::span(&seen, 1), components, 2);
   EXPECT_TRUE(there.posterior.mean().is_approx(shifts * here.posterior.mean(), 1e-9));
+}
+
+// An object of unknown rotation, from which odometry claims to be 100 m away where a detection sees
+// it at 1 m: the steps turned by 300 rad, of which the reset of the covariance left nothing.
+TEST(IteratedUpdate, TurnsByHalfATurnAtMost) {
+  const Matrix6d unknown = isotropic(160.0, 0.08);
+  const DetectorNoise noise({{1.0, unknown}});
+  const PoseStackd mean(std::vector<SE3d>{pose(0.3, 1.2, -0.4, -20.0, 97.0, 0.2), SE3d()});
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(12, 12);
+  covariance.topLeftCorner<6, 6>() = isotropic(3.0, 0.6);
+  covariance.bottomRightCorner<6, 6>() = unknown;
+  const Hypothesis prior(mean, covariance);
+  const std::array<const NoiseComponent*, 1> components{&noise.components().front()};
+  for (int turn = -3; turn <= 3; ++turn) {
+    const Detection seen{1, pose(0.2 * turn, 1.7, -2.0, 0.4, 0.4, 1.2), &noise};
+    const UpdateResult updated = iterated_update(prior, std::span(&seen, 1), components);
+    ASSERT_TRUE(updated.ok);
+    const Eigen::VectorXd scale = updated.posterior.covariance().diagonal().array().rsqrt();
+    const Eigen::MatrixXd correlations =
+        scale.asDiagonal() * updated.posterior.covariance() * scale.asDiagonal();
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations).eigenvalues()[0], 1e-7)
+        << turn;
+  }
 }
 
 TEST(IteratedUpdate, ReportsWhatCannotBeUpdated) {

@@ -250,5 +250,42 @@ TEST(MovingObjectSmoother, KeepsSoManyStepsAndEndsWithTheFilter) {
   EXPECT_NE(testing::thrown_message([&] { smooth_moving_object({noise}, models, {}, {}); }), "");
 }
 
+// A filter loses an object whose motion leaves it anywhere, with predictions in between or without.
+TEST(MovingObjectSmoother, KnowsBothSidesOfAMonthWithoutAnObservation) {
+  const MotionModels both{.models = {StaticMotion{}, ConstantVelocityMotion{sds(0.3, 0.3)}},
+                          .rates = Eigen::MatrixXd::Constant(2, 2, 0.1)};
+  for (const MotionModels& models :
+       {MotionModels{.models = {ConstantVelocityMotion{sds(0.3, 0.3)}}}, both}) {
+    for (const bool predicts : {false, true}) {
+      const DetectorNoise noise = SceneNoise{}.noise();
+      MovingScene scene(6, noise);
+      MovingObjectSmoother smoother({noise}, models, plain_moving_settings());
+      std::vector<SE3d> truth;
+      for (int k = 0; k < 8; ++k) {
+        if (k == 4) {
+          scene.put_down();
+          scene.time_s += 2.6e6;
+          if (predicts) smoother.predict(scene.time_s - 1.0);
+        }
+        scene.advance(StaticMotion{}, kFramePeriod_s);
+        smoother.update(scene.observed(scene.inlier()), exact_camera(scene.camera));
+        truth.push_back(scene.truth);
+      }
+      std::vector<MovingObjectEstimate> smoothed = smoother.smoothed();
+      if (predicts) smoothed.erase(smoothed.begin() + 4);
+      ASSERT_EQ(smoothed.size(), truth.size());
+      for (std::size_t k = 0; k < truth.size(); ++k) {
+        double sum = smoothed[k].lost_probability;
+        for (const auto& hypothesis : smoothed[k].hypotheses) sum += hypothesis.probability;
+        EXPECT_NEAR(sum, 1.0, 1e-9) << k;
+        ASSERT_FALSE(smoothed[k].hypotheses.empty()) << k;
+        const auto& world = smoothed[k].hypotheses.front().world;
+        EXPECT_LT((world.mean().translation() - truth[k].translation()).norm(), 0.03) << k;
+        EXPECT_LT(nees_of(truth[k], world), 40.0) << k;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace posemix

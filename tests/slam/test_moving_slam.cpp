@@ -4,9 +4,12 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <variant>
 #include <vector>
 
 #include "moving_orbit.hpp"
+#include "posemix/slam/state.hpp"
 #include "posemix/testing/expect.hpp"
 
 /// Objects that move beside static ones.
@@ -168,6 +171,34 @@ TEST(MovingSlam, ObjectsOfAClassAreFollowedWhileTheyMove) {
         EXPECT_EQ(now.motion_models[taken[j]].size(), 2U);
       }
     }
+  }
+}
+
+// After a month a constant velocity leaves the object anywhere: it is found again as one that was
+// never seen, by its class and by its name.
+TEST(MovingSlam, WhatWasNotSeenForAMonthIsFoundAgain) {
+  testing::MovingScene bolt(5, SceneNoise{}.noise());
+  ObjectModel model{.id = "bolt.0",
+                    .noise = SceneNoise{}.noise(),
+                    .class_id = "bolt",
+                    .motion = {.models = {ConstantVelocityMotion{testing::sds(0.3, 0.3)}}}};
+  for (const bool by_class : {true, false}) {
+    MultiObjectSlam slam({testing::scene_camera(), isotropic(0.01, 1e-4)}, {model}, {},
+                         {.model = MotionModel::still});
+    for (const double dt : {0.1, 0.1, 2.6e6, 0.1}) {
+      FrameInput input{.dt = dt};
+      if (by_class) input.candidates.push_back({"bolt", bolt.inlier(), 0.9});
+      if (!by_class) input.detections = {bolt.inlier()};
+      const FrameEstimate now = slam.step(input);
+      ASSERT_TRUE(now.objects[0].has_value());
+      EXPECT_LT((now.objects[0]->mean().translation() - bolt.truth.translation()).norm(), 0.1);
+      if (dt > 1.0 && by_class) EXPECT_EQ(now.report.candidates[0].status, CandidateStatus::fresh);
+      if (dt > 1.0 && !by_class) EXPECT_EQ(now.report.statuses[0], DetectionStatus::started);
+    }
+    const FrameEstimate alone = slam.step({.dt = 2.6e6});
+    EXPECT_FALSE(alone.objects[0].has_value());
+    const std::string bytes = state_bytes(slam);
+    EXPECT_EQ(state_bytes(std::get<MultiObjectSlam>(slam_of_state(bytes))), bytes);
   }
 }
 

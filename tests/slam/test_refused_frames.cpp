@@ -221,8 +221,7 @@ TEST(RefusedFrames, ModelsAndSettingsAreCheckedBefore) {
   const ObjectModel model{.id = "a", .noise = gaussian_noise()};
   ParticleFilterSettings particles;
   particles.object_walk.covariance = -Matrix6d::Identity();
-  EXPECT_EQ(refused(model, particles),
-            "particle filter: object_walk has a variance of -1, expected none that is negative");
+  EXPECT_EQ(refused(model, particles), "particle filter: object_walk has a negative variance");
   GaussianSumSettings pruning;
   pruning.reduction.prune_below = kNan;
   EXPECT_EQ(refused(model, pruning).find("filter: prune_below"), 0U);

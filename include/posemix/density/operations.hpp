@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "posemix/base/error.hpp"
 #include "posemix/density/concentrated_gaussian.hpp"
 
 /// Operations on one density: move it to another tangent space, compose, invert, fuse.
@@ -32,23 +34,41 @@ ConcentratedGaussian<G> back_project(const TangentGaussian<G>& gaussian) {
       G::left_jacobian_congruence(gaussian.mean, gaussian.covariance));
 }
 
+namespace internal {
+
+/// A covariance that an operation on densities made.
+/// @throws InvalidInput where it overflows, which a variance does first
+template <class Matrix>
+void require_no_overflow(const Matrix& covariance, const char* operation) {
+  if (!std::isfinite(covariance.trace()))
+    throw InvalidInput(std::string(operation) +
+                       ": the covariance overflows; expected poses nearer to the origin");
+}
+
+}  // namespace internal
+
 /// The density of X Y for independent X and Y, to first order (Barfoot and Furgale 2014): mean X0
 /// Y0, covariance P_X + Ad(X0) P_Y Ad(X0)^T.
+/// @throws InvalidInput where the covariance overflows
 template <LieGroup G>
 ConcentratedGaussian<G> compose(const ConcentratedGaussian<G>& x,
                                 const ConcentratedGaussian<G>& y) {
   typename G::TangentMatrix covariance = x.mean().adjoint_congruence(y.covariance());
   covariance += x.covariance();
+  internal::require_no_overflow(covariance, "composition");
   return ConcentratedGaussian<G>::trusted(x.mean() * y.mean(), std::move(covariance));
 }
 
 /// The density of X^-1: mean X0^-1, covariance Ad(X0^-1) P Ad(X0^-1)^T. Exact.
+/// @throws InvalidInput where the covariance overflows
 template <LieGroup G>
 ConcentratedGaussian<G> inverse(const ConcentratedGaussian<G>& x) {
-  return ConcentratedGaussian<G>::trusted(x.mean().inverse(), x.body_covariance());
+  typename G::TangentMatrix covariance = x.body_covariance();
+  internal::require_no_overflow(covariance, "inverse");
+  return ConcentratedGaussian<G>::trusted(x.mean().inverse(), std::move(covariance));
 }
 
-/// The density of X^-1 Y for independent X and Y, to first order. For two poses of one joint
+/// The density of X^-1 Y for independent X and Y, to first order; it throws as `compose`. For two poses of one joint
 /// density use `relative_pose`, which includes their cross-covariance.
 template <LieGroup G>
 ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x,

@@ -102,7 +102,8 @@ inline constexpr WordTable<CompositionRule, 3> words<CompositionRule>{{
 
 /// The density PG_0 of X Y for independent X and Y (MPG paper, gamma, eq. 17, dq3 = dq2 dq1, where
 /// X is 2 and Y is 1).
-/// @throws InvalidInput when X and Y are too wide for one projected Gaussian of their product
+/// @throws InvalidInput when X and Y are too wide for one projected Gaussian of their product, and
+/// where the covariance overflows
 template <RotationOrPose G>
 ProjectedGaussian<G> compose(const ProjectedGaussian<G>& x, const ProjectedGaussian<G>& y,
                              CompositionRule rule = CompositionRule::cubature);

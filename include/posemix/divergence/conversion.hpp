@@ -43,12 +43,15 @@ struct ConvertedDensity {
 };
 
 /// The projected Gaussian PG_0 that approximates a concentrated one.
+/// @throws InvalidInput where no point of the rule is within 150 deg of the centre: of a density
+/// that is far wider than all rotations
 template <RotationOrPose G>
 ConvertedDensity<ProjectedGaussian<G>> to_projected(
     const ConcentratedGaussian<G>& density,
     ConversionRule rule = ConversionRule::maximum_likelihood);
 
 /// The concentrated Gaussian that approximates a projected one.
+/// @throws InvalidInput as to_projected
 template <RotationOrPose G>
 ConvertedDensity<ConcentratedGaussian<G>> to_concentrated(
     const ProjectedGaussian<G>& density, ConversionRule rule = ConversionRule::maximum_likelihood);
@@ -105,7 +108,7 @@ struct Conversion {
 /// The mixture of projected Gaussians that approximates one of concentrated ones, component by
 /// component; the losses are measured by `kl_monte_carlo`.
 /// @throws InvalidInput when max_kl is not positive, max_pieces is zero, and with LargeLoss::refuse
-/// when a component loses more than max_kl
+/// when a component loses more than max_kl; as to_projected of a density
 template <RotationOrPose G>
 Conversion<ProjectedGaussian<G>> to_projected(const Mixture<ConcentratedGaussian<G>>& mixture,
                                               RandomStream& stream,

@@ -7,7 +7,7 @@
 #include "posemix/mixture/mixture.hpp"
 
 /// Operations on mixtures, written once for every kind of density: each applies the operation on
-/// densities to all pairs of components.
+/// densities to all pairs of components, and throws as it does.
 namespace posemix {
 
 /// The mixture of X Y for independent X and Y, one component per pair.

@@ -38,7 +38,7 @@ class MovingObjects {
   void add(std::size_t object, const ObjectModel& model);
   bool empty() const { return tracks_.empty(); }
   bool has(std::size_t object) const { return tracks_.contains(object); }
-  /// Whether the object moves and was seen.
+  /// Whether the object moves, and there is a place where it may be: MovingObjectFilter::is_placed.
   bool is_known(std::size_t object) const;
   /// The object becomes one that was never seen.
   void forget(std::size_t object);

@@ -3,6 +3,7 @@
 #include "relative_poses.hpp"
 
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "world_noise.hpp"
@@ -118,6 +119,19 @@ class RelativeEstimator {
     return sum;
   }
 
+  /// The same poses by rotations of at most half a turn: beyond, a rotation vector is not the error
+  /// that its length says, and the reset of the covariance by J_l(zeta) loses what lies across it.
+  Iterate within_half_turns(Iterate next) const {
+    Vector<Dim> zeta = next.zeta;
+    bool is_within = true;
+    for (std::size_t j = 0; j < parts_.size(); ++j) {
+      if (!(segment(zeta, j).template head<3>().norm() > std::numbers::pi)) continue;
+      segment(zeta, j) = SE3d::exp(segment(zeta, j)).log();
+      is_within = false;
+    }
+    return is_within ? next : iterate(zeta, prior_.factor.solve(zeta));
+  }
+
   /// zeta <- -K (n - M zeta). The step is halved while the cost rises with R held fixed. Returns
   /// the length of the step.
   double step() {
@@ -132,11 +146,14 @@ class RelativeEstimator {
       segment(information_change, j) -= parts_[j].m.transpose_times(segment(y, j));
     }
     const double highest = cost(at_) * (1.0 + 1e-12);
-    Iterate next = iterate(at_.zeta + change, at_.information + information_change);
+    const auto stepped = [&] {
+      return within_half_turns(iterate(at_.zeta + change, at_.information + information_change));
+    };
+    Iterate next = stepped();
     for (int half = 0; half < kMaxHalvings && cost(next) > highest; ++half) {
       change *= 0.5;
       information_change *= 0.5;
-      next = iterate(at_.zeta + change, at_.information + information_change);
+      next = stepped();
     }
     at_ = std::move(next);
     return change.norm();

@@ -193,6 +193,7 @@ void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& fr
     }
     if (changes) lost_.change_models(transition);
     leak(dt);
+    lose_what_is_anywhere();
   }
   frames_.resize(std::max(frames_.size(), frames.size()));
   std::copy(frames.begin(), frames.end(), frames_.begin());
