@@ -115,15 +115,17 @@ ChartMoments<G> centred_moments(const WeightedElements<G>& values, const SO3d& s
 template <RotationOrPose G>
 std::optional<ProjectedGaussian<G>> density_of(const ChartMoments<G>& moments,
                                                CompositionRule rule) {
-  const bool usable =
-      moments.covariance.allFinite() && moments.covariance.llt().info() == Eigen::Success;
-  if (!usable) return std::nullopt;
+  const auto is_definite = [](const auto& covariance) {
+    return covariance.allFinite() && covariance.llt().info() == Eigen::Success;
+  };
+  if (!is_definite(moments.covariance)) return std::nullopt;
   if (rule == CompositionRule::third_degree_cubature) {
     typename G::Tangent mean = moments.mean;
     mean.template head<3>().setZero();
     return ProjectedGaussian<G>::trusted(moments.tangent_point, mean, moments.covariance);
   }
-  return with_moments<G>(moments.tangent_point, moments.mean, moments.covariance);
+  const auto density = with_moments<G>(moments.tangent_point, moments.mean, moments.covariance);
+  return is_definite(density.covariance()) ? std::optional(density) : std::nullopt;
 }
 
 /// The density of a function by the given rule, or if that gives an indefinite covariance, by the
@@ -159,8 +161,9 @@ ProjectedGaussian<SE3d> compose_by_jacobian(const ProjectedGaussian<SE3d>& x,
   j1.bottomRightCorner<3, 3>() = r2;
   Matrix6d covariance = j2 * x.covariance() * j2.transpose() + j1 * y.covariance() * j1.transpose();
   symmetrize(covariance);
-  internal::require_no_overflow(covariance, "composition");
-  return ProjectedGaussian<SE3d>::trusted(x.mean() * y.mean(), covariance);
+  auto result = ProjectedGaussian<SE3d>::trusted(x.mean() * y.mean(), covariance);
+  internal::require_no_overflow(result, "composition");
+  return result;
 }
 
 /// The inverse of q0 (1, u) is q0^-1 (1, -R0 u), and t' = -R^-1 t, where R turns by 2 u.
@@ -180,8 +183,9 @@ ProjectedGaussian<SE3d> inverse_by_jacobian(const ProjectedGaussian<SE3d>& x) {
   j.bottomRightCorner<3, 3>() = -r.transpose();
   Matrix6d covariance = j * x.covariance() * j.transpose();
   symmetrize(covariance);
-  internal::require_no_overflow(covariance, "inverse");
-  return ProjectedGaussian<SE3d>::trusted(inverse, covariance);
+  auto result = ProjectedGaussian<SE3d>::trusted(inverse, covariance);
+  internal::require_no_overflow(result, "inverse");
+  return result;
 }
 
 /// u' = Rb^T u and t' = R tb + t, where R turns by 2 u.
@@ -191,8 +195,9 @@ ProjectedGaussian<SE3d> moved_by_jacobian(const ProjectedGaussian<SE3d>& x, cons
   j.bottomLeftCorner<3, 3>() = -2.0 * x.tangent_point().matrix() * SO3d::hat(b.translation());
   Matrix6d covariance = j * x.covariance() * j.transpose();
   symmetrize(covariance);
-  internal::require_no_overflow(covariance, "composition");
-  return ProjectedGaussian<SE3d>::trusted(x.mean() * b, covariance);
+  auto result = ProjectedGaussian<SE3d>::trusted(x.mean() * b, covariance);
+  internal::require_no_overflow(result, "composition");
+  return result;
 }
 
 }  // namespace

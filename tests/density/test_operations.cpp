@@ -172,6 +172,10 @@ TEST(Operations, OfPosesSoFarAwayThatVariancesOverflowAreRefused) {
   EXPECT_EQ(testing::thrown_message([&] { inverse(away); }), "inverse" + expected);
   EXPECT_EQ(testing::thrown_message([&] { between(away, at_origin); }), "inverse" + expected);
   EXPECT_EQ(compose(at_origin, away).covariance()(5, 5), 2e-7);
+  // Of rotations about the axis of the lever alone, which has none.
+  Matrix6d sharp = 1e-307 * Matrix6d::Identity();
+  const ConcentratedGaussian<SE3d> twice(SE3d(SO3d(), {1.5e308, 0.0, 0.0}), sharp);
+  EXPECT_THROW(compose(twice, twice), InvalidInput);
 }
 
 TEST(Operations, OfProjectedGaussiansAreRefusedThereToo) {

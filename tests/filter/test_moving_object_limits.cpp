@@ -76,6 +76,17 @@ TEST(MovingObjectFilter, LosesWhatMayBeAnywhere) {
   EXPECT_LT(filter.estimate().lost_probability, 0.5);
 }
 
+TEST(MovingObjectFilter, RefusesADetectorWhosePartsDifferBeyondWhatADoubleHolds) {
+  Matrix6d wide = testing::isotropic(1.0, 0.01);
+  wide(1, 1) = 2.5e15;
+  const std::string message = thrown_message([&] {
+    MovingObjectFilter({DetectorNoise({{1.0, wide}})});
+  });
+  EXPECT_NE(message.find("a component of a detector's noise has a standard deviation of 5e+07 rad"),
+            std::string::npos)
+      << message;
+}
+
 // What stands still, by another model, is where it was.
 TEST(MovingObjectFilter, LosesOnlyThePartThatMayBeAnywhere) {
   const DetectorNoise noise = SceneNoise{}.noise();

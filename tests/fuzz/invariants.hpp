@@ -21,21 +21,25 @@ inline void expect_pose(const SE3d& pose) {
          "a quaternion whose length is not one");
 }
 
+/// Up to this the correlations of a covariance may be wrong by rounding.
+inline constexpr double kRounding = 1e-9;
+
 /// Finite, and symmetric and positive definite up to rounding: scaled to ones on the diagonal, no
 /// entry differs from its mirror image and no eigenvalue lies below zero by more than that.
 template <class Matrix>
-void expect_covariance(const Matrix& covariance, const std::string& what) {
+void expect_covariance(const Matrix& covariance, const std::string& what,
+                       double rounding = kRounding) {
   expect(covariance.allFinite(), what + ": a covariance that is not finite");
   expect((covariance.diagonal().array() > 0.0).all(), what + ": a variance that is not positive");
   const Eigen::VectorXd scale = covariance.diagonal().array().rsqrt();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
   const double asymmetry = (scaled - scaled.transpose()).cwiseAbs().maxCoeff();
-  expect(asymmetry < 1e-9,
+  expect(asymmetry < rounding,
          what + ": a covariance that is not symmetric, by " + std::to_string(asymmetry));
   const double least =
       Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
           .eigenvalues()[0];
-  expect(least > -1e-9,
+  expect(least > -rounding,
          what + ": a covariance with a negative eigenvalue, " + std::to_string(least));
 }
 

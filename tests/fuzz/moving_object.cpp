@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "filters.hpp"
 #include "posemix/filter/moving_object_filter.hpp"
+#include "precision.hpp"
 
 /// The filter of one moving object over any stream of observations, times, cameras and models.
 namespace posemix::fuzzing {
@@ -33,12 +34,31 @@ MotionModels models_from(Input& input) {
   return models;
 }
 
-void expect_sound(const MovingObjectFilter& filter) {
+/// What is known before a detection by the camera, and what it sees.
+void begin_detection(const MovingObjectFilter& filter, const Observation& observation,
+                     const KnownCamera& camera, Precision& precision) {
+  precision.move_to(camera.frame.pose.translation());
+  precision.see(filter.sensor().noise);
+  precision.see(observation);
+  if (!filter.is_placed()) return;
+  for (const MovingObjectHypothesis& hypothesis : filter.estimate().hypotheses)
+    precision.widen(hypothesis.world.covariance());
+}
+
+void end_step(const MovingObjectFilter& filter, Precision& precision) {
+  if (!filter.is_placed()) return;
+  for (const MovingObjectHypothesis& hypothesis : filter.estimate().hypotheses)
+    precision.widen_at(hypothesis.world.mean(), hypothesis.world.covariance());
+}
+
+void expect_sound(const MovingObjectFilter& filter, bool is_definite) {
   if (filter.observation_count() == 0) return;
   const MovingObjectEstimate estimate = filter.estimate();
   double sum = estimate.lost_probability;
   for (const MovingObjectHypothesis& hypothesis : estimate.hypotheses) {
-    expect_density(hypothesis.world, "a hypothesis");
+    expect_pose(hypothesis.world.mean());
+    if (is_definite) expect_covariance(hypothesis.world.covariance(), "a hypothesis");
+    expect(hypothesis.world.covariance().allFinite(), "a covariance that is not finite");
     expect(hypothesis.twist.allFinite() && hypothesis.twist_covariance.allFinite(),
            "a twist that is not finite");
     sum += hypothesis.probability;
@@ -47,7 +67,7 @@ void expect_sound(const MovingObjectFilter& filter) {
   if (!estimate.hypotheses.empty()) expect_weights(filter.object_mixture(), "the object");
 }
 
-void step(MovingObjectFilter& filter, Input& input) {
+void step(MovingObjectFilter& filter, Input& input, Precision& precision) {
   const double time_s = filter.time_s().value_or(0.0) + input.number();
   const std::vector<KnownFrame> frames{{input.pose()}};
   if (input.below(4) == 0) return filter.predict(time_s, frames);
@@ -56,6 +76,9 @@ void step(MovingObjectFilter& filter, Input& input) {
   KnownCamera camera = exact_camera(input.pose());
   if (input.flag()) camera.frame.covariance = input.covariance(0.01, 0.01);
   if (input.flag()) camera.constant_covariance = input.covariance(0.01, 0.01);
+  MovingObjectFilter before = filter;
+  before.predict(time_s, frames);
+  begin_detection(before, observation, camera, precision);
   filter.update(observation, camera, frames);
 }
 
@@ -68,8 +91,13 @@ POSEMIX_FUZZ_TARGET(moving_object) {
     settings.max_hypotheses = 1 + input.below(4);
     const ObjectSensor sensor{noise_from(input)};
     MovingObjectFilter filter(sensor, models_from(input), settings);
+    Precision precision(1e12);
     for (int k = 0; k < kMostSteps && !input.empty(); ++k) {
-      if (does([&] { return bits_of(filter); }, [&] { step(filter, input); })) expect_sound(filter);
+      Precision next = precision;
+      if (!does([&] { return bits_of(filter); }, [&] { step(filter, input, next); })) continue;
+      end_step(filter, next);
+      precision = next;
+      expect_sound(filter, precision.is_left());
     }
   } catch (const InvalidInput&) {
     return;  // settings, models or noise that were refused

@@ -1,73 +1,36 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
-#include <limits>
-
-#include "filter/precision.hpp"
 #include "filters.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
+#include "precision.hpp"
 
 /// The multi-object filter over any stream of detections, odometry, times and models.
 namespace posemix::fuzzing {
 namespace {
 
-/// Covariances are definite while no pose is known so much worse than a detector sees it that
-/// double precision holds nothing of the detection beside it, about any place that counts: its own,
-/// that of the camera and the origin of the world. What is left beyond is finite
-/// (docs/reliability.md).
-class Precision {
- public:
-  /// What a detector sees [rad^2, m^2].
-  void see(const Matrix6d& noise) {
-    for (const int at : {0, 3}) {
-      const auto variances = noise.diagonal().segment<3>(at);
-      finest_[at] = std::min(finest_[at], variances.minCoeff());
-      widest_[at] = std::max(widest_[at], variances.maxCoeff());
-    }
+template <class Do>
+void for_each_pose(const MultiObjectFilter& filter, const Do& act) {
+  act(filter.camera().mean(), filter.camera().covariance());
+  for (std::size_t object = 0; object < filter.object_count(); ++object) {
+    for (const ObjectHypothesis& hypothesis : filter.hypotheses(object))
+      act(hypothesis.pose, hypothesis.covariance);
   }
-  /// What is known before a detection, which the origin of the filter's world follows.
-  void begin_detection(const MultiObjectFilter& filter) {
-    const Eigen::Vector3d camera = filter.camera().mean().translation();
-    is_far_ = is_far_ || camera.norm() > internal::kFarFromOrigin_m;
-    for_each_pose(filter,
-                  [&](const SE3d&, const Matrix6d& covariance) { widen(camera, covariance); });
-  }
-  void end_step(const MultiObjectFilter& filter) {
-    for (std::size_t object = 0; object < filter.object_count(); ++object) {
-      for (const NoiseComponent& component : filter.sensor(object).noise.components())
-        see(component.covariance);
-    }
-    for_each_pose(filter, [&](const SE3d& pose, const Matrix6d& covariance) {
-      widen(pose.translation(), covariance);
-      widen(Eigen::Vector3d::Zero(), covariance);
-    });
-  }
-  bool is_left() const {
-    const double most = is_far_ ? kLargestRatioFar : internal::kLargestVarianceRatio;
-    return widest_[0] <= most * finest_[0] && widest_[3] <= most * finest_[3];
-  }
+}
 
- private:
-  /// Of variances, where the origin of the filter's world was not that of the caller's.
-  static constexpr double kLargestRatioFar = 1e10;
+/// What is known before a detection, which the origin of the filter's world follows.
+void begin_detection(const MultiObjectFilter& filter, Precision& precision) {
+  precision.move_to(filter.camera().mean().translation());
+  for_each_pose(filter,
+                [&](const SE3d&, const Matrix6d& covariance) { precision.widen(covariance); });
+}
 
-  template <class Do>
-  static void for_each_pose(const MultiObjectFilter& filter, const Do& act) {
-    act(filter.camera().mean(), filter.camera().covariance());
-    for (std::size_t object = 0; object < filter.object_count(); ++object) {
-      for (const ObjectHypothesis& hypothesis : filter.hypotheses(object))
-        act(hypothesis.pose, hypothesis.covariance);
-    }
-  }
-  void widen(const Eigen::Vector3d& place, const Matrix6d& covariance) {
-    const Matrix6d there = SE3d(SO3d(), -place).adjoint_congruence(covariance);
-    for (const int at : {0, 3})
-      widest_[at] = std::max(widest_[at], there.diagonal().segment<3>(at).maxCoeff());
-  }
-
-  Vector6d widest_ = Vector6d::Zero();
-  Vector6d finest_ = Vector6d::Constant(std::numeric_limits<double>::infinity());
-  bool is_far_ = false;
-};
+void end_step(const MultiObjectFilter& filter, Precision& precision) {
+  for (std::size_t object = 0; object < filter.object_count(); ++object)
+    precision.see(filter.sensor(object).noise);
+  for_each_pose(filter, [&](const SE3d& pose, const Matrix6d& covariance) {
+    precision.widen_at(pose, covariance);
+  });
+}
 
 void expect_sound(const MultiObjectFilter& filter, bool is_definite) {
   const auto expect_of = [&](const auto& covariance, const std::string& what) {
@@ -116,7 +79,7 @@ void step(MultiObjectFilter& filter, Input& input, Precision& precision) {
                                               input.covariance(0.1, 0.1), dt);
     case 3:
       filter.set_camera(ConcentratedGaussian<SE3d>(input.pose(), input.covariance(0.01, 0.01)), dt);
-      return precision.begin_detection(filter);
+      return begin_detection(filter, precision);
     case 4:
       filter.forget(input.below(4));
       return;
@@ -124,17 +87,16 @@ void step(MultiObjectFilter& filter, Input& input, Precision& precision) {
       if (filter.object_count() < 4) filter.add_object({noise_from(input)});
       return;
     case 6:
-      precision.begin_detection(filter);
+      begin_detection(filter, precision);
       filter.update(input.below(4), input.pose());
       return;
     default:
-      precision.begin_detection(filter);
+      begin_detection(filter, precision);
       const std::size_t object = input.below(4);
       const Observation observation = observation_from(input);
       const SE3d body_camera = input.flag() ? input.pose(0.1) : SE3d();
       filter.update(object, observation, {.body_camera = body_camera});
-      for (const ObservationComponent& component : observation.components)
-        if (component.covariance) precision.see(*component.covariance);
+      precision.see(observation);
   }
 }
 
@@ -146,11 +108,11 @@ POSEMIX_FUZZ_TARGET(multi_object) {
     const ConcentratedGaussian<SE3d> camera(input.pose(), input.covariance(0.05, 0.05));
     MultiObjectFilter filter(camera, {{noise_from(input)}, {noise_from(input)}},
                              multi_object_settings(input));
-    Precision precision;
+    Precision precision(1e12);
     for (int k = 0; k < kMostSteps && !input.empty(); ++k) {
       Precision next = precision;
       if (!does([&] { return bits_of(filter); }, [&] { step(filter, input, next); })) continue;
-      next.end_step(filter);
+      end_step(filter, next);
       precision = next;
       expect_sound(filter, precision.is_left());
     }

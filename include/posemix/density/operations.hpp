@@ -36,13 +36,17 @@ ConcentratedGaussian<G> back_project(const TangentGaussian<G>& gaussian) {
 
 namespace internal {
 
-/// A covariance that an operation on densities made.
-/// @throws InvalidInput where it overflows, which a variance does first
-template <class Matrix>
-void require_no_overflow(const Matrix& covariance, const char* operation) {
-  if (!std::isfinite(covariance.trace()))
-    throw InvalidInput(std::string(operation) +
-                       ": the covariance overflows; expected poses nearer to the origin");
+/// A density that an operation made.
+/// @throws InvalidInput where its covariance overflows, of which a variance does first, or its
+/// position
+template <class D>
+void require_no_overflow(const D& density, const char* operation) {
+  bool is_finite = std::isfinite(density.covariance().trace());
+  const auto mean = density.mean();
+  if constexpr (requires { mean.translation(); }) is_finite &= mean.translation().allFinite();
+  if (is_finite) return;
+  throw InvalidInput(std::string(operation) +
+                     ": the covariance overflows; expected poses nearer to the origin");
 }
 
 }  // namespace internal
@@ -55,21 +59,22 @@ ConcentratedGaussian<G> compose(const ConcentratedGaussian<G>& x,
                                 const ConcentratedGaussian<G>& y) {
   typename G::TangentMatrix covariance = x.mean().adjoint_congruence(y.covariance());
   covariance += x.covariance();
-  internal::require_no_overflow(covariance, "composition");
-  return ConcentratedGaussian<G>::trusted(x.mean() * y.mean(), std::move(covariance));
+  auto result = ConcentratedGaussian<G>::trusted(x.mean() * y.mean(), std::move(covariance));
+  internal::require_no_overflow(result, "composition");
+  return result;
 }
 
 /// The density of X^-1: mean X0^-1, covariance Ad(X0^-1) P Ad(X0^-1)^T. Exact.
 /// @throws InvalidInput where the covariance overflows
 template <LieGroup G>
 ConcentratedGaussian<G> inverse(const ConcentratedGaussian<G>& x) {
-  typename G::TangentMatrix covariance = x.body_covariance();
-  internal::require_no_overflow(covariance, "inverse");
-  return ConcentratedGaussian<G>::trusted(x.mean().inverse(), std::move(covariance));
+  auto result = ConcentratedGaussian<G>::trusted(x.mean().inverse(), x.body_covariance());
+  internal::require_no_overflow(result, "inverse");
+  return result;
 }
 
-/// The density of X^-1 Y for independent X and Y, to first order; it throws as `compose`. For two poses of one joint
-/// density use `relative_pose`, which includes their cross-covariance.
+/// The density of X^-1 Y for independent X and Y, to first order; it throws as `compose`. For two
+/// poses of one joint density use `relative_pose`, which includes their cross-covariance.
 template <LieGroup G>
 ConcentratedGaussian<G> between(const ConcentratedGaussian<G>& x,
                                 const ConcentratedGaussian<G>& y) {

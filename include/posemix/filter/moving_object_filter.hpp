@@ -139,7 +139,8 @@ struct MovingObjectEstimate {
 class MovingObjectFilter {
  public:
   /// @throws InvalidInput when a setting, a model, a rate or a probability is out of range, sizes
-  /// differ, or the sensor has other detectors
+  /// differ, the sensor has other detectors, or its slow error or one component of its noise is 3e6
+  /// times as wide as another component
   explicit MovingObjectFilter(ObjectSensor sensor, MotionModels models = {},
                               const MovingObjectSettings& settings = {});
   MovingObjectFilter(const MovingObjectFilter&);

@@ -158,7 +158,8 @@ void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings&
 /// Reduces the number of components: prunes, drops the lightest, keeps the heaviest, then merges
 /// pair after pair. The total weight is preserved (dropped weight is spread over the rest in
 /// proportion). For concentrated Gaussians on any group, and for projected Gaussians.
-/// @throws InvalidInput when max_components is zero or prune_below is not in [0, 1)
+/// @throws InvalidInput when max_components is zero or prune_below is not in [0, 1), and where the
+/// covariance of a merged component overflows
 template <class D>
 Reduction<D> reduce(Mixture<D> mixture, const ReductionSettings& settings = {}) {
   require(settings.max_components > 0, "reduce: max_components is 0, expected at least 1");
@@ -173,6 +174,8 @@ Reduction<D> reduce(Mixture<D> mixture, const ReductionSettings& settings = {}) 
   const std::size_t start =
       settings.merge_from == 0 ? settings.max_components + 1 : settings.merge_from;
   if (components.size() >= start) internal::merge_pairs(components, settings, report);
+  for (const Component<D>& component : components)
+    internal::require_no_overflow(component.density, "reduction");
   report.components_after = components.size();
   Reduction<D> result{Mixture<D>(std::move(components)), std::move(report)};
   if (settings.bound_loss) {

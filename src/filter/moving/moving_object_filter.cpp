@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "filter/multi_object/filter_checks.hpp"
 #include "lie/checked_noise.hpp"
 #include "moving_object_state.hpp"
 #include "posemix/lie/pose_checks.hpp"
@@ -69,6 +70,7 @@ MovingObjectFilter::MovingObjectFilter(ObjectSensor sensor, MotionModels models,
                                        const MovingObjectSettings& settings) {
   require(sensor.other_detectors.empty(),
           "the sensor has other detectors, expected one: a moving object is seen by one detector");
+  internal::require_noise_precision(sensor);
   validate(models);
   check_moving_settings(settings);
   state_ =
