@@ -5,6 +5,7 @@
 
 #include "posemix/base/error.hpp"
 #include "posemix/base/gaussian_cubature.hpp"
+#include "posemix/density/operations.hpp"
 #include "posemix/density/projected_operations.hpp"
 #include "posemix/lie/rotation_of.hpp"
 

@@ -31,13 +31,18 @@ void expect_sound(const Mixture<D>& mixture, const std::string& what) {
   }
 }
 
+constexpr double kMostVariance = 1e100;
+
 template <class D>
 Mixture<D> mixture_from(Input& input) {
   std::vector<Component<D>> components;
   for (std::size_t k = 1 + input.below(5); k > 0; --k) {
     const double log_weight = std::log(input.scale(1.0));
     const SE3d mean = input.pose();
-    components.push_back({log_weight, D(mean, input.covariance(0.1, 0.1))});
+    const Matrix6d covariance = input.covariance(0.1, 0.1);
+    if (covariance.diagonal().maxCoeff() > kMostVariance)
+      throw InvalidInput("a density whose variance is no number when it is doubled or squared");
+    components.push_back({log_weight, D(mean, covariance)});
   }
   return Mixture<D>(std::move(components));
 }

@@ -42,8 +42,8 @@ namespace internal {
 template <class D>
 void require_no_overflow(const D& density, const char* operation) {
   bool is_finite = std::isfinite(density.covariance().trace());
-  const auto mean = density.mean();
-  if constexpr (requires { mean.translation(); }) is_finite &= mean.translation().allFinite();
+  if constexpr (requires { density.mean().translation(); })
+    is_finite = is_finite && density.mean().translation().allFinite();
   if (is_finite) return;
   throw InvalidInput(std::string(operation) +
                      ": the covariance overflows; expected poses nearer to the origin");

@@ -121,7 +121,7 @@ class RelativeEstimator {
 
   /// The same poses by rotations of at most half a turn: beyond, a rotation vector is not the error
   /// that its length says, and the reset of the covariance by J_l(zeta) loses what lies across it.
-  Iterate within_half_turns(Iterate next) const {
+  void keep_within_half_turns(Iterate& next) const {
     Vector<Dim> zeta = next.zeta;
     bool is_within = true;
     for (std::size_t j = 0; j < parts_.size(); ++j) {
@@ -129,7 +129,7 @@ class RelativeEstimator {
       segment(zeta, j) = SE3d::exp(segment(zeta, j)).log();
       is_within = false;
     }
-    return is_within ? next : iterate(zeta, prior_.factor.solve(zeta));
+    if (!is_within) next = iterate(zeta, prior_.factor.solve(zeta));
   }
 
   /// zeta <- -K (n - M zeta). The step is halved while the cost rises with R held fixed. Returns
@@ -147,7 +147,9 @@ class RelativeEstimator {
     }
     const double highest = cost(at_) * (1.0 + 1e-12);
     const auto stepped = [&] {
-      return within_half_turns(iterate(at_.zeta + change, at_.information + information_change));
+      Iterate there = iterate(at_.zeta + change, at_.information + information_change);
+      keep_within_half_turns(there);
+      return there;
     };
     Iterate next = stepped();
     for (int half = 0; half < kMaxHalvings && cost(next) > highest; ++half) {
