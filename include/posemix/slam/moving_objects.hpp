@@ -76,7 +76,8 @@ class MovingObjects {
   /// The hypotheses of an object. Their cross-covariance with the camera is the camera's constant
   /// error.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
-  /// The object `dt` seconds later; empty until it was seen. Frames stay where they are.
+  /// The object `dt` seconds later; empty until it was seen, and where it may be anywhere. Frames
+  /// stay where they are.
   std::optional<MovingObjectHypothesis> at(std::size_t object, double dt) const;
   /// Probability that the place of an object that was seen is not known.
   double lost_probability(std::size_t object) const;
