@@ -12,7 +12,7 @@
 namespace posemix::fuzzing {
 
 /// Random inputs: those of a corpus with a few bytes changed, removed, repeated or taken from
-/// another one, and random bytes. The same seed makes the same inputs.
+/// another one, and random bytes. With one compiler the same seed makes the same inputs.
 class Mutations {
  public:
   Mutations(std::vector<std::string> corpus, std::uint64_t seed)
