@@ -123,7 +123,7 @@ void MovingObjects::add(std::size_t object, const ObjectModel& model) {
 
 bool MovingObjects::is_known(std::size_t object) const {
   const auto found = tracks_.find(object);
-  return found != tracks_.end() && found->second.filter.is_placed();
+  return found != tracks_.end() && found->second.filter.observation_count() > 0;
 }
 
 void MovingObjects::forget(std::size_t object) { track(object).filter = track(object).unseen; }
@@ -251,6 +251,7 @@ void MovingObjects::report(const KnownCamera& camera, bool with_alternatives,
   for (const auto& [object, track] : tracks_) {
     if (!is_known(object)) continue;
     const MovingObjectEstimate estimate = track.filter.estimate();
+    if (estimate.hypotheses.empty()) continue;
     report_moving(object, estimate, with_alternatives, frame);
     internal::check_index(object, frame.relative.size(), "object");
     frame.relative[object] = track.filter.relative(camera);

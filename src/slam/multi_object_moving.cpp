@@ -107,11 +107,8 @@ void MultiObjectSlam::follow_camera(const PoseDensity& before, const PoseDensity
 }
 
 double MultiObjectSlam::place_probability(std::size_t object) const {
-  if (moving_.has(object)) {
-    const bool was_seen = moving_.filter(object).observation_count() > 0;
-    return was_seen ? 1.0 - moving_.lost_probability(object) : 1.0;
-  }
   if (!is_known(object)) return 1.0;
+  if (moving_.has(object)) return 1.0 - moving_.lost_probability(object);
   return put_down_of(objects_[object].motion) ? -std::expm1(filter_.log_absent(object)) : 1.0;
 }
 

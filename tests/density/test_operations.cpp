@@ -3,6 +3,8 @@
 #include "posemix/density/operations.hpp"
 
 #include <cmath>
+#include <numbers>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -167,15 +169,17 @@ TEST(Operations, OfPosesSoFarAwayThatVariancesOverflowAreRefused) {
   const SE3d far_away(SO3d(), {1e299, 0.0, 0.0});
   const ConcentratedGaussian<SE3d> at_origin(SE3d(), 1e-7 * Matrix6d::Identity());
   const ConcentratedGaussian<SE3d> away(far_away, 1e-7 * Matrix6d::Identity());
-  const std::string expected = ": the covariance overflows; expected poses nearer to the origin";
+  const std::string expected = ": the result overflows; expected poses nearer to the origin";
   EXPECT_EQ(testing::thrown_message([&] { compose(away, at_origin); }), "composition" + expected);
   EXPECT_EQ(testing::thrown_message([&] { inverse(away); }), "inverse" + expected);
   EXPECT_EQ(testing::thrown_message([&] { between(away, at_origin); }), "inverse" + expected);
   EXPECT_EQ(compose(at_origin, away).covariance()(5, 5), 2e-7);
-  // Of rotations about the axis of the lever alone, which has none.
-  Matrix6d sharp = 1e-307 * Matrix6d::Identity();
-  const ConcentratedGaussian<SE3d> twice(SE3d(SO3d(), {1.5e308, 0.0, 0.0}), sharp);
-  EXPECT_THROW(compose(twice, twice), InvalidInput);
+  // A turn by 45 deg makes one coordinate of two, and no lever.
+  const ConcentratedGaussian<SE3d> turn(SE3d(SO3d::exp({0.0, 0.0, 0.25 * std::numbers::pi}), {}),
+                                        1e-7 * Matrix6d::Identity());
+  const ConcentratedGaussian<SE3d> farthest(SE3d(SO3d(), {1.7e308, 1.7e308, 0.0}),
+                                            1e-7 * Matrix6d::Identity());
+  EXPECT_EQ(testing::thrown_message([&] { compose(turn, farthest); }), "composition" + expected);
 }
 
 TEST(Operations, OfProjectedGaussiansAreRefusedThereToo) {

@@ -257,6 +257,24 @@ TEST(GaussianSumFilter, RefusesWhatIsNotFiniteAndStaysAsItWas) {
   EXPECT_TRUE(after.mean().is_approx(before.mean(), 0.0));
 }
 
+TEST(GaussianSumFilter, RefusesWhatAMotionReturnsAndStaysAsItWas) {
+  const Eigen::MatrixXd wide = Eigen::MatrixXd::Identity(6, 6);
+  GaussianSumFilter filter = camera_filter(kCameraPose, wide);
+  const auto refuses = [&](const SE3d& camera, double variance) {
+    EXPECT_THROW(filter.predict([&](const Hypothesis&) {
+      return Hypothesis::trusted(PoseStackd({camera}), variance * wide);
+    }),
+                 InvalidInput);
+    EXPECT_EQ(filter.summarise().covariance(), wide);
+    EXPECT_TRUE(filter.summarise().mean()[0].is_approx(kCameraPose, 0.0));
+  };
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  refuses(SE3d(SO3d(), {0.0, kNaN, 0.0}), 1.0);
+  refuses(SE3d(SO3d(), {0.0, 1.7e308, 0.0}), 1.0);
+  refuses(SE3d(SO3d::exp({kNaN, 0.0, 0.0}), {0.0, 0.0, 0.0}), 1.0);
+  refuses(kCameraPose, kNaN);
+}
+
 TEST(GaussianSumFilter, RefusesAPriorInWhichTheNoiseIsLost) {
   Matrix6d wide = isotropic(1.0, 0.01);
   wide(4, 4) = 1e16;

@@ -239,7 +239,7 @@ TEST(IteratedUpdate, MotionInTheStateIsNoPartOfTheCommonMotion) {
 
 // An object of unknown rotation, from which odometry claims to be 100 m away where a detection sees
 // it at 1 m: the steps turned by 300 rad, of which the reset of the covariance left nothing.
-TEST(IteratedUpdate, TurnsByHalfATurnAtMost) {
+TEST(IteratedUpdate, TurnsByLessThanManyTurns) {
   const Matrix6d unknown = isotropic(160.0, 0.08);
   const DetectorNoise noise({{1.0, unknown}});
   const PoseStackd mean(std::vector<SE3d>{pose(0.3, 1.2, -0.4, -20.0, 97.0, 0.2), SE3d()});
@@ -257,6 +257,34 @@ TEST(IteratedUpdate, TurnsByHalfATurnAtMost) {
         scale.asDiagonal() * updated.posterior.covariance() * scale.asDiagonal();
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlations).eigenvalues()[0], 1e-7)
         << turn;
+  }
+}
+
+// A camera of unknown heading is turned by about half a turn from where it is thought to be. Both
+// relative poses then turn so, one of them a little more, and share the error of the camera.
+TEST(IteratedUpdate, SeveralPosesTurnTogether) {
+  RandomStream stream(7);
+  const DetectorNoise noise({{1.0, isotropic(3.0, 0.01)}});
+  const std::array<const NoiseComponent*, 2> components{&noise.components().front(),
+                                                        &noise.components().front()};
+  const PoseStackd mean(std::vector<SE3d>{SE3d(), pose(0.3, 0.2, 0.1, 0.5, 0.2, 1.0),
+                                          pose(-0.2, 0.4, 0.3, -0.5, 0.3, 1.4)});
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(18, 18);
+  covariance.block<6, 6>(0, 0) = isotropic(90.0, 0.05);
+  for (const Eigen::Index object : {6, 12})
+    covariance.block<6, 6>(object, object) = isotropic(0.5, 0.01);
+  const Hypothesis prior(mean, covariance);
+  for (int step = 0; step < 550; ++step) {
+    const double angle = 2.9 + 0.001 * step;
+    const SE3d camera(SO3d::exp({0.05, angle, 0.02}), {0.02, -0.03, 0.01});
+    std::array<Detection, 2> seen{Detection{1, {}, &noise}, Detection{2, {}, &noise}};
+    for (Detection& one : seen) {
+      one.camera_object =
+          SE3d::exp(draw(isotropic(3.0, 0.01), stream)) * camera.inverse() * mean[one.object];
+    }
+    const UpdateResult updated = iterated_update(prior, seen, components);
+    ASSERT_TRUE(updated.ok) << angle;
+    EXPECT_GT(updated.log_likelihood, -100.0) << angle;
   }
 }
 

@@ -55,27 +55,6 @@ std::vector<double> bits_of(const MovingObjectFilter& filter) {
   return all;
 }
 
-// The covariance of a constant velocity grows until a double does not hold it.
-TEST(MovingObjectFilter, LosesWhatMayBeAnywhere) {
-  constexpr double kMonth_s = 2.6e6;
-  const DetectorNoise noise = SceneNoise{}.noise();
-  MovingScene scene(3, noise);
-  const ConstantVelocityMotion moves{sds(0.3, 0.3)};
-  MovingObjectFilter filter({noise}, {.models = {moves}}, plain_moving_settings());
-  filter.update(scene.observed(scene.inlier()), exact_camera(scene.camera));
-  ASSERT_FALSE(filter.estimate().hypotheses.empty());
-  scene.time_s += kMonth_s;
-  filter.predict(scene.time_s);
-  EXPECT_FALSE(filter.is_placed());
-  EXPECT_TRUE(filter.estimate().hypotheses.empty());
-  EXPECT_DOUBLE_EQ(filter.estimate().lost_probability, 1.0);
-  EXPECT_EQ(thrown_message([&] { return filter.object_mixture(); }),
-            "object_mixture: the place of the object is not known");
-  filter.update(scene.observed(scene.inlier()), exact_camera(scene.camera));
-  ASSERT_EQ(filter.estimate().hypotheses.size(), 1U);
-  EXPECT_LT(filter.estimate().lost_probability, 0.5);
-}
-
 TEST(MovingObjectFilter, RefusesADetectorWhosePartsDifferBeyondWhatADoubleHolds) {
   Matrix6d wide = testing::isotropic(1.0, 0.01);
   wide(1, 1) = 2.5e15;
@@ -85,28 +64,6 @@ TEST(MovingObjectFilter, RefusesADetectorWhosePartsDifferBeyondWhatADoubleHolds)
   EXPECT_NE(message.find("a component of a detector's noise has a standard deviation of 5e+07 rad"),
             std::string::npos)
       << message;
-}
-
-// What stands still, by another model, is where it was.
-TEST(MovingObjectFilter, LosesOnlyThePartThatMayBeAnywhere) {
-  const DetectorNoise noise = SceneNoise{}.noise();
-  MovingScene scene(4, noise);
-  const MotionModels models{.models = {StaticMotion{}, ConstantVelocityMotion{sds(0.3, 0.3)}},
-                            .rates = Eigen::MatrixXd::Constant(2, 2, 1e-7)};
-  MovingObjectSettings settings = plain_moving_settings();
-  settings.lost_rate = 0.0;
-  MovingObjectFilter filter({noise}, models, settings);
-  filter.update(scene.observed(scene.inlier()), exact_camera(scene.camera));
-  const MovingObjectEstimate before = filter.estimate();
-  scene.time_s += 2.6e6;
-  filter.predict(scene.time_s);
-  const MovingObjectEstimate after = filter.estimate();
-  ASSERT_FALSE(after.hypotheses.empty());
-  EXPECT_TRUE(after.hypotheses.front().world.mean().is_approx(
-      before.hypotheses.front().world.mean(), 1e-9));
-  EXPECT_GT(after.hypotheses.front().probability, 0.1);
-  EXPECT_GT(after.lost_probability, 0.1);
-  EXPECT_GT(after.hypotheses.front().models[0], 0.999);
 }
 
 // However many places the detector shows.

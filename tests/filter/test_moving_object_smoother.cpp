@@ -250,7 +250,7 @@ TEST(MovingObjectSmoother, KeepsSoManyStepsAndEndsWithTheFilter) {
   EXPECT_NE(testing::thrown_message([&] { smooth_moving_object({noise}, models, {}, {}); }), "");
 }
 
-// A filter loses an object whose motion leaves it anywhere, with predictions in between or without.
+// A month leaves an object that moves anywhere, with predictions in between or without.
 TEST(MovingObjectSmoother, KnowsBothSidesOfAMonthWithoutAnObservation) {
   const MotionModels both{.models = {StaticMotion{}, ConstantVelocityMotion{sds(0.3, 0.3)}},
                           .rates = Eigen::MatrixXd::Constant(2, 2, 0.1)};

@@ -21,6 +21,20 @@ inline void expect_pose(const SE3d& pose) {
          "a quaternion whose length is not one");
 }
 
+/// The covariance scaled to ones on the diagonal.
+template <class Matrix>
+Matrix correlations(const Matrix& covariance) {
+  const Eigen::VectorXd scale = covariance.diagonal().array().rsqrt();
+  return scale.asDiagonal() * covariance * scale.asDiagonal();
+}
+
+/// Their smallest eigenvalue.
+template <class Matrix>
+double least_correlation(const Matrix& covariance) {
+  return Eigen::SelfAdjointEigenSolver<Matrix>(correlations(covariance), Eigen::EigenvaluesOnly)
+      .eigenvalues()[0];
+}
+
 /// Up to this the correlations of a covariance may be wrong by rounding.
 inline constexpr double kRounding = 1e-9;
 
@@ -31,14 +45,11 @@ void expect_covariance(const Matrix& covariance, const std::string& what,
                        double rounding = kRounding) {
   expect(covariance.allFinite(), what + ": a covariance that is not finite");
   expect((covariance.diagonal().array() > 0.0).all(), what + ": a variance that is not positive");
-  const Eigen::VectorXd scale = covariance.diagonal().array().rsqrt();
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * covariance * scale.asDiagonal();
+  const Eigen::MatrixXd scaled = correlations(covariance);
   const double asymmetry = (scaled - scaled.transpose()).cwiseAbs().maxCoeff();
   expect(asymmetry < rounding,
          what + ": a covariance that is not symmetric, by " + std::to_string(asymmetry));
-  const double least =
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
-          .eigenvalues()[0];
+  const double least = least_correlation(covariance);
   expect(least > -rounding,
          what + ": a covariance with a negative eigenvalue, " + std::to_string(least));
 }

@@ -40,13 +40,13 @@ void begin_detection(const MovingObjectFilter& filter, const Observation& observ
   precision.move_to(camera.frame.pose.translation());
   precision.see(filter.sensor().noise);
   precision.see(observation);
-  if (!filter.is_placed()) return;
+  if (filter.observation_count() == 0) return;
   for (const MovingObjectHypothesis& hypothesis : filter.estimate().hypotheses)
     precision.widen(hypothesis.world.covariance());
 }
 
 void end_step(const MovingObjectFilter& filter, Precision& precision) {
-  if (!filter.is_placed()) return;
+  if (filter.observation_count() == 0) return;
   for (const MovingObjectHypothesis& hypothesis : filter.estimate().hypotheses)
     precision.widen_at(hypothesis.world.mean(), hypothesis.world.covariance());
 }
@@ -91,7 +91,7 @@ POSEMIX_FUZZ_TARGET(moving_object) {
     settings.max_hypotheses = 1 + input.below(4);
     const ObjectSensor sensor{noise_from(input)};
     MovingObjectFilter filter(sensor, models_from(input), settings);
-    Precision precision(1e12);
+    Precision precision(internal::kLargestVarianceRatio);
     for (int k = 0; k < kMostSteps && !input.empty(); ++k) {
       Precision next = precision;
       if (!does([&] { return bits_of(filter); }, [&] { step(filter, input, next); })) continue;

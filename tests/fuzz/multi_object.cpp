@@ -108,7 +108,7 @@ POSEMIX_FUZZ_TARGET(multi_object) {
     const ConcentratedGaussian<SE3d> camera(input.pose(), input.covariance(0.05, 0.05));
     MultiObjectFilter filter(camera, {{noise_from(input)}, {noise_from(input)}},
                              multi_object_settings(input));
-    Precision precision(1e12);
+    Precision precision(internal::kLargestVarianceRatio);
     for (int k = 0; k < kMostSteps && !input.empty(); ++k) {
       Precision next = precision;
       if (!does([&] { return bits_of(filter); }, [&] { step(filter, input, next); })) continue;

@@ -12,14 +12,15 @@
 namespace posemix::fuzzing {
 
 /// Random inputs: those of a corpus with a few bytes changed, removed, repeated or taken from
-/// another one, and random bytes. With one compiler the same seed makes the same inputs.
+/// another one, and random bytes. The same seed makes the same inputs.
 class Mutations {
  public:
   Mutations(std::vector<std::string> corpus, std::uint64_t seed)
       : corpus_(std::move(corpus)), random_(seed) {}
 
   std::string next() {
-    std::string bytes = below(4) == 0 || corpus_.empty() ? noise(60 + below(400)) : any();
+    const bool is_noise = below(4) == 0 || corpus_.empty();
+    std::string bytes = is_noise ? noise(60 + below(400)) : any();
     for (std::size_t k = 1 + below(6); k > 0; --k) change(bytes);
     if (bytes.size() > kLongest) bytes.resize(kLongest);
     return bytes;
@@ -43,27 +44,32 @@ class Mutations {
   }
   /// Some of it, from anywhere on.
   std::string part(const std::string& bytes, std::size_t most) {
-    return bytes.substr(place(bytes), 1 + below(most));
+    const std::size_t from = place(bytes);
+    return bytes.substr(from, 1 + below(most));
   }
+  // A compiler may evaluate arguments in any order, so every number is drawn by a statement.
   void change(std::string& bytes) {
-    switch (below(6)) {
+    const std::size_t kind = below(6);
+    const std::size_t at = place(bytes);
+    const std::size_t size = 1 + below(8);
+    switch (kind) {
       case 0:
-        bytes.insert(place(bytes), std::string(1 + below(8), static_cast<char>(random_())));
+        bytes.insert(at, std::string(size, static_cast<char>(random_())));
         return;
       case 1:
-        bytes.erase(place(bytes), 1 + below(6));
+        bytes.erase(at, size);
         return;
       case 2:
-        if (!corpus_.empty()) bytes.insert(place(bytes), part(any(), 60));
+        if (!corpus_.empty()) bytes.insert(at, part(any(), 60));
         return;
       case 3:
-        bytes.insert(place(bytes), part(bytes, 40));
+        bytes.insert(at, part(bytes, 40));
         return;
       case 4:
-        if (!bytes.empty()) bytes[below(bytes.size())] ^= static_cast<char>(1U << below(8));
+        if (at < bytes.size()) bytes[at] ^= static_cast<char>(1U << (size - 1));
         return;
       default:
-        bytes.replace(place(bytes), 1 + below(8), noise(1 + below(8)));
+        bytes.replace(at, size, noise(1 + below(8)));
     }
   }
 

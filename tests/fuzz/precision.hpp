@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "filter/precision.hpp"
 #include "filter/world_shift.hpp"
 #include "invariants.hpp"
 #include "posemix/detector/detector_noise.hpp"
@@ -21,11 +22,13 @@ class Precision {
   /// Beyond this ratio of variances nothing is promised but finite numbers.
   explicit Precision(double largest_ratio) : largest_ratio_(largest_ratio) {}
 
-  /// What a detector sees [rad^2, m^2].
+  /// What a detector sees [rad^2, m^2], in its sharpest direction: correlations may leave less of a
+  /// variance than the diagonal says.
   void see(const Matrix6d& noise) {
+    const double left = std::max(least_correlation(noise), std::numeric_limits<double>::min());
     for (const int at : {0, 3}) {
       const auto variances = noise.diagonal().segment<3>(at);
-      finest_[at] = std::min(finest_[at], variances.minCoeff());
+      finest_[at] = std::min(finest_[at], left * variances.minCoeff());
       widest_[at] = std::max(widest_[at], variances.maxCoeff());
     }
   }

@@ -278,9 +278,8 @@ TEST(StampedSlam, AnObjectThatMovesIsPredictedOverAnyTime) {
   seen.object = "mug";
   slam.add(seen);
   slam.estimate();
-  for (const double later : {10.0, 3500.0})
+  for (const double later : {10.0, 3500.0, 1e6})
     EXPECT_TRUE(slam.slam().object_at(0, later).has_value()) << later;
-  EXPECT_FALSE(slam.slam().object_at(0, 1e6).has_value());  // it may be anywhere
 }
 
 TEST(StampedSlam, AnImageWithoutDetectionsTellsThatAnObjectIsLost) {

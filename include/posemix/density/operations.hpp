@@ -46,7 +46,7 @@ void require_no_overflow(const D& density, const char* operation) {
     is_finite = is_finite && density.mean().translation().allFinite();
   if (is_finite) return;
   throw InvalidInput(std::string(operation) +
-                     ": the covariance overflows; expected poses nearer to the origin");
+                     ": the result overflows; expected poses nearer to the origin");
 }
 
 }  // namespace internal

@@ -110,6 +110,8 @@ class GaussianSumFilter {
 
   /// Moves every hypothesis, for example by predict_with_odometry. If `motion` throws, the filter
   /// stays as it was.
+  /// @throws InvalidInput as check_pose for what `motion` returns, when the covariance of that is
+  /// not finite, or hypotheses differ in their number of poses; the filter stays as it was
   void predict(const std::function<Hypothesis(Hypothesis)>& motion);
 
   /// Every hypothesis gets one child per noise component, is updated, and the mixture is reduced.

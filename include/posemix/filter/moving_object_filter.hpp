@@ -162,9 +162,6 @@ class MovingObjectFilter {
 
   /// Number of observations so far.
   std::uint64_t observation_count() const;
-  /// Whether there is a hypothesis for the place of the object: from the first observation on,
-  /// until a prediction has a standard deviation beyond 1e8 m or rad, of a pose or per second.
-  bool is_placed() const;
   /// Time of the last update or prediction [s]; none before the first.
   std::optional<double> time_s() const;
   /// The object at time_s().

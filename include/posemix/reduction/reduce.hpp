@@ -153,6 +153,30 @@ void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings&
   }
 }
 
+/// `reduce` without its last check: for a filter that has handed on what it would have to keep.
+template <class D>
+Reduction<D> reduced(Mixture<D> mixture, const ReductionSettings& settings) {
+  require(settings.max_components > 0, "reduce: max_components is 0, expected at least 1");
+  ReductionSettings::kPruneBelow.check(settings.prune_below, "reduce: prune_below");
+  std::vector<Component<D>> before;
+  if (settings.bound_loss) before = mixture.components();
+  ReductionReport report;
+  report.components_before = mixture.size();
+  mixture = without_light(std::move(mixture), settings, report);
+
+  std::vector<Component<D>> components = std::move(mixture).release();
+  const std::size_t start =
+      settings.merge_from == 0 ? settings.max_components + 1 : settings.merge_from;
+  if (components.size() >= start) merge_pairs(components, settings, report);
+  report.components_after = components.size();
+  Reduction<D> result{Mixture<D>(std::move(components)), std::move(report)};
+  if (settings.bound_loss) {
+    result.report.bounded_loss = bounded_loss<D>(std::span<const Component<D>>(before),
+                                                 result.mixture, result.report.destination);
+  }
+  return result;
+}
+
 }  // namespace internal
 
 /// Reduces the number of components: prunes, drops the lightest, keeps the heaviest, then merges
@@ -162,26 +186,9 @@ void merge_pairs(std::vector<Component<D>>& components, const ReductionSettings&
 /// covariance of a merged component overflows
 template <class D>
 Reduction<D> reduce(Mixture<D> mixture, const ReductionSettings& settings = {}) {
-  require(settings.max_components > 0, "reduce: max_components is 0, expected at least 1");
-  ReductionSettings::kPruneBelow.check(settings.prune_below, "reduce: prune_below");
-  std::vector<Component<D>> before;
-  if (settings.bound_loss) before = mixture.components();
-  ReductionReport report;
-  report.components_before = mixture.size();
-  mixture = internal::without_light(std::move(mixture), settings, report);
-
-  std::vector<Component<D>> components = std::move(mixture).release();
-  const std::size_t start =
-      settings.merge_from == 0 ? settings.max_components + 1 : settings.merge_from;
-  if (components.size() >= start) internal::merge_pairs(components, settings, report);
-  for (const Component<D>& component : components)
+  Reduction<D> result = internal::reduced(std::move(mixture), settings);
+  for (const Component<D>& component : result.mixture.components())
     internal::require_no_overflow(component.density, "reduction");
-  report.components_after = components.size();
-  Reduction<D> result{Mixture<D>(std::move(components)), std::move(report)};
-  if (settings.bound_loss) {
-    result.report.bounded_loss = bounded_loss<D>(std::span<const Component<D>>(before),
-                                                 result.mixture, result.report.destination);
-  }
   return result;
 }
 

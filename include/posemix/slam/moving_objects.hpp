@@ -38,7 +38,7 @@ class MovingObjects {
   void add(std::size_t object, const ObjectModel& model);
   bool empty() const { return tracks_.empty(); }
   bool has(std::size_t object) const { return tracks_.contains(object); }
-  /// Whether the object moves, and there is a place where it may be: MovingObjectFilter::is_placed.
+  /// Whether the object moves and was seen.
   bool is_known(std::size_t object) const;
   /// The object becomes one that was never seen.
   void forget(std::size_t object);
@@ -76,8 +76,7 @@ class MovingObjects {
   /// The hypotheses of an object. Their cross-covariance with the camera is the camera's constant
   /// error.
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
-  /// The object `dt` seconds later; empty until it was seen, and where it may be anywhere. Frames
-  /// stay where they are.
+  /// The object `dt` seconds later; empty until it was seen. Frames stay where they are.
   std::optional<MovingObjectHypothesis> at(std::size_t object, double dt) const;
   /// Probability that the place of an object that was seen is not known.
   double lost_probability(std::size_t object) const;

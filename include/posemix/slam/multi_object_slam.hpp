@@ -117,8 +117,7 @@ class MultiObjectSlam {
   std::vector<ObjectHypothesis> hypotheses(std::size_t object) const;
   /// T_world_object `dt` seconds after the last frame, as far as it is known by then: for grasping,
   /// where detections are late. Frames that may hold the object stay where they are. Empty until it
-  /// was seen, and where an object that moves may be anywhere by then
-  /// (MovingObjectFilter::is_placed).
+  /// was seen.
   /// @throws InvalidInput when dt is negative or not finite, or there is no object at the index
   std::optional<PoseDensity> object_at(std::size_t object, double dt) const;
   /// The cameras on the body as they were given.

@@ -63,6 +63,14 @@ Hypothesis copy_of(const Hypothesis& hypothesis) {
   return Hypothesis::trusted(hypothesis.mean(), kept_copy(hypothesis.covariance()));
 }
 
+/// A motion may be the caller's own.
+void check_moved(const Hypothesis& hypothesis) {
+  for (const SE3d& pose : hypothesis.mean().poses())
+    check_pose(pose, "filter: what the motion returns");
+  require(hypothesis.covariance().allFinite(),
+          "filter: what the motion returns has a covariance that is not finite");
+}
+
 /// The hypotheses become others; memory of those before goes to the next ones.
 void replace(Posterior& posterior, std::vector<Component<Hypothesis>> hypotheses) {
   Posterior before = std::exchange(posterior, Posterior(std::move(hypotheses)));
@@ -106,8 +114,10 @@ void GaussianSumFilter::predict(const std::function<Hypothesis(Hypothesis)>& mot
   require(static_cast<bool>(motion), "filter: predict is given no motion");
   std::vector<Component<Hypothesis>> hypotheses;
   hypotheses.reserve(posterior_.size());
-  for (const auto& before : posterior_.components())
+  for (const auto& before : posterior_.components()) {
     hypotheses.push_back({before.log_weight, motion(copy_of(before.density))});
+    check_moved(hypotheses.back().density);
+  }
   replace(posterior_, std::move(hypotheses));
 }
 
@@ -220,7 +230,7 @@ bool GaussianSumFilter::branch(std::span<const Detection> detections, UpdateRepo
 
 void GaussianSumFilter::reduce(UpdateReport& report) {
   const Stopwatch stopwatch;
-  auto reduction = posemix::reduce(std::move(posterior_), settings_.reduction);
+  auto reduction = internal::reduced(std::move(posterior_), settings_.reduction);
   posterior_ = std::move(reduction.mixture);
   report.reductions.push_back(std::move(reduction.report));
   report.reduce_seconds += stopwatch.seconds();

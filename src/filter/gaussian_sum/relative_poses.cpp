@@ -119,9 +119,10 @@ class RelativeEstimator {
     return sum;
   }
 
-  /// The same poses by rotations of at most half a turn: beyond, a rotation vector is not the error
-  /// that its length says, and the reset of the covariance by J_l(zeta) loses what lies across it.
-  void keep_within_half_turns(Iterate& next) const {
+  /// The same poses by rotations of at most half a turn, where their prior agrees: beyond, the
+  /// reset of the covariance by J_l(zeta) loses what lies across a rotation of many turns. What
+  /// several poses share may be a turn beyond.
+  void unwind(Iterate& next) const {
     Vector<Dim> zeta = next.zeta;
     bool is_within = true;
     for (std::size_t j = 0; j < parts_.size(); ++j) {
@@ -129,7 +130,9 @@ class RelativeEstimator {
       segment(zeta, j) = SE3d::exp(segment(zeta, j)).log();
       is_within = false;
     }
-    if (!is_within) next = iterate(zeta, prior_.factor.solve(zeta));
+    if (is_within) return;
+    const Iterate unwound = iterate(zeta, prior_.factor.solve(zeta));
+    if (cost(unwound) < cost(next)) next = unwound;
   }
 
   /// zeta <- -K (n - M zeta). The step is halved while the cost rises with R held fixed. Returns
@@ -148,7 +151,7 @@ class RelativeEstimator {
     const double highest = cost(at_) * (1.0 + 1e-12);
     const auto stepped = [&] {
       Iterate there = iterate(at_.zeta + change, at_.information + information_change);
-      keep_within_half_turns(there);
+      unwind(there);
       return there;
     };
     Iterate next = stepped();

@@ -56,13 +56,16 @@ MovingHypothesis MovingObjectState::birth(const ObservationComponent& seen, std:
   return result;
 }
 
-/// The hypothesis that explains a component of the observation best, within the quantile.
-MovingHypothesis* MovingObjectState::explaining(const Evidence& evidence, std::size_t component) {
+/// The hypothesis of a weight by now that explains a component of the observation best, within the
+/// quantile.
+MovingHypothesis* MovingObjectState::explaining(const Evidence& evidence, std::size_t component,
+                                                double least_weight) {
   constexpr double kLeastModelShare = 0.01;
   double least = explained_;
   MovingHypothesis* nearest = nullptr;
   for (std::size_t h = 0; h < evidence.size(); ++h) {
     const Eigen::ArrayXd by_model = hypotheses_[h].weights.by_model();
+    if (!(by_model.sum() > least_weight)) continue;
     for (std::size_t k = 0; k < model_count(); ++k) {
       if (by_model[static_cast<Eigen::Index>(k)] < kLeastModelShare * by_model.sum()) continue;
       if (evidence[h][k].squared_distances[component] >= least) continue;
@@ -125,19 +128,21 @@ void MovingObjectState::trace_arrival(const Arrival& all, std::uint64_t id,
   trace_->arrivals.push_back(std::move(entry));
 }
 
-/// Births at components that no hypothesis explains, one for each mode of the noise. Returns the
-/// place of every component.
+/// Births at components that no hypothesis explains, or one that is hardly more probable by now:
+/// one for each mode of the noise. Returns the place of every component.
 std::vector<std::uint64_t> MovingObjectState::begin(const MovingObservation& observation,
                                                     const Evidence& evidence, double peak,
                                                     std::vector<MovingHypothesis>& births) {
   constexpr double kLeastBirth = 1e-14;
+  // What joins a hypothesis does not move it, and so has to be a small part of it.
+  constexpr double kMostJoining = 0.05;
   double of_others = 0.0;
   for (const MovingHypothesis& hypothesis : hypotheses_) of_others += hypothesis.weights.total();
   std::vector<std::uint64_t> places;
   for (std::size_t i = 0; i < observation.weighed.components.size(); ++i) {
     const Arrival all = arrival(observation, evidence, peak, i);
     const Eigen::ArrayXXd& part = all.weight;
-    if (MovingHypothesis* nearest = explaining(evidence, i)) {
+    if (MovingHypothesis* nearest = explaining(evidence, i, part.sum() / kMostJoining)) {
       nearest->weights.right += part;
       trace_arrival(all, nearest->id, std::nullopt);
       places.push_back(nearest->id);

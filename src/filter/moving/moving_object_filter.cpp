@@ -110,7 +110,6 @@ void MovingObjectFilter::predict(double time_s, const std::vector<KnownFrame>& f
 }
 
 std::uint64_t MovingObjectFilter::observation_count() const { return state_->observations(); }
-bool MovingObjectFilter::is_placed() const { return state_->has_hypotheses(); }
 std::optional<double> MovingObjectFilter::time_s() const { return state_->time_s(); }
 
 MovingObjectEstimate MovingObjectFilter::estimate() const {

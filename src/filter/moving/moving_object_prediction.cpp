@@ -7,6 +7,7 @@
 
 #include "detector/view_turn.hpp"
 #include "moving_object_state.hpp"
+#include "prediction_reach.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -171,8 +172,8 @@ std::vector<SE3d> MovingObjectState::frame_motions(const std::vector<KnownFrame>
 MotionPrediction MovingObjectState::predicted(const PlacedObject& object, std::size_t model,
                                               double dt, const std::vector<SE3d>& moved) const {
   const auto* attached = std::get_if<AttachedMotion>(&models_.models[model]);
-  return posemix::predict(object.motion_state(), models_.models[model], dt,
-                          attached && frame_of(model) ? moved[attached->frame] : SE3d());
+  return predicted_within(position_reach(sensor()), object.motion_state(), models_.models[model],
+                          dt, attached && frame_of(model) ? moved[attached->frame] : SE3d());
 }
 
 void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& frames) {
@@ -193,7 +194,6 @@ void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& fr
     }
     if (changes) lost_.change_models(transition);
     leak(dt);
-    lose_what_is_anywhere();
   }
   frames_.resize(std::max(frames_.size(), frames.size()));
   std::copy(frames.begin(), frames.end(), frames_.begin());

@@ -132,22 +132,19 @@ std::size_t MovingObjectState::merge() {
   return merges;
 }
 
-void MovingObjectState::drop(std::size_t h) {
-  const std::uint64_t gone = hypotheses_[h].id;
-  hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(h));
-  for (MovingHypothesis& hypothesis : hypotheses_)
-    hypothesis.weights.redirect(gone, kAnyPlace, false);
-  lost_.redirect(gone, kAnyPlace, false);
-}
-
 void MovingObjectState::keep_heaviest() {
   constexpr double kNegligible = 1e-14;
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(), [](const auto& a, const auto& b) {
     return a.weights.total() > b.weights.total();
   });
   while (!hypotheses_.empty() && (hypotheses_.size() > settings_.max_hypotheses ||
-                                  !(hypotheses_.back().weights.total() > kNegligible)))
-    drop(hypotheses_.size() - 1);
+                                  !(hypotheses_.back().weights.total() > kNegligible))) {
+    const std::uint64_t gone = hypotheses_.back().id;
+    hypotheses_.pop_back();
+    for (MovingHypothesis& hypothesis : hypotheses_)
+      hypothesis.weights.redirect(gone, kAnyPlace, false);
+    lost_.redirect(gone, kAnyPlace, false);
+  }
   normalise();
 }
 

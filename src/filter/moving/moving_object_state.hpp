@@ -145,11 +145,10 @@ class MovingObjectState {
                              const std::vector<SE3d>& moved) const;
   Eigen::MatrixXd transition_over(double dt) const;
   /// Probability, by model, that the place is not known any more after so many seconds. Something
-  /// stays of every hypothesis, so that there is a place to report while one is known at all.
+  /// stays of every hypothesis, so that there is a place to report however long the object was not
+  /// seen.
   Eigen::ArrayXd gone_in(double dt) const;
   void leak(double dt);
-  /// What a model predicts beyond the largest variances is lost.
-  void lose_what_is_anywhere();
   /// Probability, by model, of a turn to any orientation in so many seconds.
   Eigen::ArrayXd turned_in(double dt) const;
   KnownFrame camera_for(const KnownFrame& camera, std::size_t model) const;
@@ -178,7 +177,8 @@ class MovingObjectState {
   void move(PlacedObject& object, std::size_t model, const ModeEvidence& evidence) const;
   MovingHypothesis birth(const ObservationComponent& seen, std::size_t mode,
                          const KnownFrame& camera) const;
-  MovingHypothesis* explaining(const Evidence& evidence, std::size_t component);
+  MovingHypothesis* explaining(const Evidence& evidence, std::size_t component,
+                               double least_weight);
   Eigen::ArrayXXd begun_from_lost(const MovingObservation& observation, double peak,
                                   std::size_t component) const;
   Eigen::ArrayXXd begun_by_turn(const MovingObservation& observation, const Evidence& evidence,
@@ -219,8 +219,6 @@ class MovingObjectState {
   Vector18d gain_factors() const;
   double normalise();
   std::size_t merge();
-  /// Runs at the place of the hypothesis of this index become such of any place.
-  void drop(std::size_t h);
   void keep_heaviest();
   void learn(const MovingHypothesis& leader, ModeEvidence& evidence, const Observation& observation,
              const KnownFrame& camera);

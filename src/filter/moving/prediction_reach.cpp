@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "prediction_reach.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "filter/world_shift.hpp"
+
+namespace posemix::internal {
+namespace {
+
+constexpr double kReach = 1e6;
+constexpr double kLeastReach_m = 10.0;
+/// Longest way of the mean, in reaches.
+constexpr double kLongestWay = 100.0;
+constexpr double kWidestRotation_rad = 100.0;
+/// After so many halves nothing is left of a time.
+constexpr int kMostHalves = 60;
+
+/// About the object's own place, where errors of its rotation do not move it.
+Matrix6d covariance_there(const MotionState& state) {
+  const WorldShift to_there(-state.pose.translation());
+  return to_there(Matrix6d(state.covariance.topLeftCorner<6, 6>()));
+}
+
+/// Also the way is bounded: rounding moves the errors of what is far from where it was.
+bool is_within(double reach, const MotionState& before, const MotionState& after) {
+  const Eigen::Vector3d way = after.pose.translation() - before.pose.translation();
+  if (!(way.norm() <= kLongestWay * reach) || !after.covariance.allFinite()) return false;
+  const Eigen::Vector3d variances = covariance_there(after).diagonal().tail<3>();
+  return variances.minCoeff() >= 0.0 && variances.maxCoeff() <= reach * reach;
+}
+
+/// Whether there is hardly any time left, which need not be looked for in every frame.
+bool has_arrived(double reach, const MotionState& state) {
+  constexpr double kNearly = 0.98;
+  return covariance_there(state).diagonal().tail<3>().maxCoeff() > kNearly * reach * reach;
+}
+
+/// xi <- D xi, where D shortens the rotation about the object's own place.
+void limit_rotation(MotionPrediction& prediction) {
+  MotionState& state = prediction.state;
+  const double variance = state.covariance.diagonal().head<3>().maxCoeff();
+  if (!(variance > kWidestRotation_rad * kWidestRotation_rad)) return;
+  const WorldShift to_there(-state.pose.translation());
+  Matrix6d shorter = Matrix6d::Identity();
+  to_there.move_rows(shorter);
+  shorter.topRows<3>() *= kWidestRotation_rad / std::sqrt(variance);
+  to_there.inverse().move_rows(shorter);
+  Matrix12d d = Matrix12d::Identity();
+  d.topLeftCorner<6, 6>() = shorter;
+  prediction.jacobian = (d * prediction.jacobian).eval();
+  for (Matrix12d* p : {&prediction.noise, &state.covariance}) {
+    *p = (d * *p * d.transpose()).eval();
+    symmetrize(*p);
+  }
+}
+
+}  // namespace
+
+double position_reach(const ObjectSensor& sensor) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const NoiseComponent& component : sensor.noise.components())
+    least = std::min(least, component.covariance.diagonal().tail<3>().minCoeff());
+  return std::max(kReach * std::sqrt(least), kLeastReach_m);
+}
+
+MotionPrediction predicted_within(double reach, const MotionState& state,
+                                  const ObjectMotion& motion, double dt, const SE3d& frame_motion) {
+  if (has_arrived(reach, state)) dt = 0.0;
+  MotionPrediction result = posemix::predict(state, motion, dt, frame_motion);
+  for (int halves = 1; !is_within(reach, state, result.state) && dt > 0.0; ++halves) {
+    dt = halves < kMostHalves ? 0.5 * dt : 0.0;
+    result = posemix::predict(state, motion, dt, frame_motion);
+  }
+  limit_rotation(result);
+  return result;
+}
+
+}  // namespace posemix::internal
