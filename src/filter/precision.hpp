@@ -19,6 +19,10 @@ namespace posemix::internal {
 /// double holds 4.5e15, of which the frames and the updates of a filter take their share.
 inline constexpr double kLargestVarianceRatio = 1e13;
 
+/// Largest standard deviation of a rotation that a prediction leaves, as all rotations are within a
+/// turn [rad].
+inline constexpr double kWidestRotation_rad = 100.0;
+
 /// @throws InvalidInput when a pose is so uncertain before a detection that the noise of the
 /// detection is lost in its rounding. Rotations are compared with rotations [rad], positions with
 /// positions [m]. `name` begins the message.

@@ -221,6 +221,31 @@ TEST(MultiObjectFilter, GoesOnWhereTheCameraIsKnownFarWorseThanADetection) {
   }
 }
 
+// Odometry says by its noise that it knows nothing; what was left behind is found again.
+TEST(MultiObjectFilter, FindsWhatItLeftWhateverTheNoiseOfTheOdometry) {
+  const DetectorNoise noise({{1.0, isotropic(3.0, 0.01)}});
+  const SE3d camera(SO3d::exp({0.6, -1.5, -0.7}), {-0.4, 0.3, 1.0});
+  const SE3d seen(SO3d::exp({0.2, 0.1, -0.3}), {0.1, -0.2, 0.8});
+  const SE3d moved(SO3d::exp({0.05, 0.1, 0.0}), {0.1, 0.05, -0.05});
+  for (const double rotation : {0.01, 1e3, 9e7}) {
+    for (const double position : {0.01, 1e4, 1e6, 9e7}) {
+      Matrix6d q = isotropic(1.0, position);
+      q.topLeftCorner<3, 3>() = rotation * rotation * Eigen::Matrix3d::Identity();
+      q(3, 3) *= 0.1;
+      MultiObjectFilter filter({camera, isotropic(0.5, 0.005)}, {{noise}}, {});
+      for (int k = 0; k < 5; ++k) filter.update(0, seen);
+      for (int k = 0; k < 50; ++k) filter.predict_with_odometry(SE3d(), q, 0.1);
+      for (int k = 0; k < 5; ++k) {
+        filter.update(0, moved * seen);
+        EXPECT_EQ(Eigen::LLT<Matrix6d>(filter.camera().covariance()).info(), Eigen::Success);
+        const auto relative = filter.relative(0, 0);
+        EXPECT_LT((relative.mean().inverse() * moved * seen).log().norm(), 0.1)
+            << rotation << ' ' << position << ' ' << k;
+      }
+    }
+  }
+}
+
 TEST(MultiObjectFilter, RefusesAllOfAFilterThatWasMovedFrom) {
   OrbitScene scene(6, 1, 0.01, 1e-4);
   MultiObjectFilter filter = filter_of(scene, plain_settings());

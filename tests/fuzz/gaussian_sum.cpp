@@ -100,7 +100,8 @@ POSEMIX_FUZZ_TARGET(gaussian_sum) {
     const Posterior prior({{0.0, Hypothesis(PoseStackd(std::vector<SE3d>{input.pose()}),
                                             input.covariance(0.05, 0.05))}});
     GaussianSumFilter filter(prior, gaussian_sum_settings(input));
-    Precision precision(1e12);
+    Precision precision(1e10, 100.0);
+    precision.see(Matrix6d(prior[0].density.covariance()));
     for (int k = 0; k < kMostSteps && !input.empty(); ++k) {
       Precision next = precision;
       if (does([&] { return bits_of_posterior(filter.posterior()); },

@@ -51,13 +51,14 @@ void end_step(const MovingObjectFilter& filter, Precision& precision) {
     precision.widen_at(hypothesis.world.mean(), hypothesis.world.covariance());
 }
 
-void expect_sound(const MovingObjectFilter& filter, bool is_definite) {
+void expect_sound(const MovingObjectFilter& filter, const Precision& precision) {
   if (filter.observation_count() == 0) return;
   const MovingObjectEstimate estimate = filter.estimate();
   double sum = estimate.lost_probability;
   for (const MovingObjectHypothesis& hypothesis : estimate.hypotheses) {
     expect_pose(hypothesis.world.mean());
-    if (is_definite) expect_covariance(hypothesis.world.covariance(), "a hypothesis");
+    if (precision.is_left())
+      expect_covariance(hypothesis.world.covariance(), "a hypothesis", precision.rounding());
     expect(hypothesis.world.covariance().allFinite(), "a covariance that is not finite");
     expect(hypothesis.twist.allFinite() && hypothesis.twist_covariance.allFinite(),
            "a twist that is not finite");
@@ -97,7 +98,7 @@ POSEMIX_FUZZ_TARGET(moving_object) {
       if (!does([&] { return bits_of(filter); }, [&] { step(filter, input, next); })) continue;
       end_step(filter, next);
       precision = next;
-      expect_sound(filter, precision.is_left());
+      expect_sound(filter, precision);
     }
   } catch (const InvalidInput&) {
     return;  // settings, models or noise that were refused

@@ -32,9 +32,9 @@ void end_step(const MultiObjectFilter& filter, Precision& precision) {
   });
 }
 
-void expect_sound(const MultiObjectFilter& filter, bool is_definite) {
+void expect_sound(const MultiObjectFilter& filter, const Precision& precision) {
   const auto expect_of = [&](const auto& covariance, const std::string& what) {
-    if (is_definite) return expect_covariance(covariance, what);
+    if (precision.is_left()) return expect_covariance(covariance, what, precision.rounding());
     expect(covariance.allFinite(), what + ": a covariance that is not finite");
   };
   expect_pose(filter.camera().mean());
@@ -114,7 +114,7 @@ POSEMIX_FUZZ_TARGET(multi_object) {
       if (!does([&] { return bits_of(filter); }, [&] { step(filter, input, next); })) continue;
       end_step(filter, next);
       precision = next;
-      expect_sound(filter, precision.is_left());
+      expect_sound(filter, precision);
     }
   } catch (const InvalidInput&) {
     return;  // settings, models or a prior that were refused

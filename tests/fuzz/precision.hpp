@@ -19,8 +19,11 @@ namespace posemix::fuzzing {
 /// (docs/reliability.md, "Definite, or finite").
 class Precision {
  public:
-  /// Beyond this ratio of variances nothing is promised but finite numbers.
-  explicit Precision(double largest_ratio) : largest_ratio_(largest_ratio) {}
+  /// Beyond this ratio of variances, and this standard deviation of a rotation [rad], nothing is
+  /// promised but finite numbers.
+  explicit Precision(double largest_ratio,
+                     double widest_rotation = std::numeric_limits<double>::infinity())
+      : largest_ratio_(largest_ratio), widest_rotation_(widest_rotation) {}
 
   /// What a detector sees [rad^2, m^2], in its sharpest direction: correlations may leave less of a
   /// variance than the diagonal says.
@@ -66,11 +69,12 @@ class Precision {
     widen(Eigen::Vector3d::Zero(), covariance);
   }
   bool is_left() const {
-    return ratio() <= (is_far_ ? std::min(kLargestRatioFar, largest_ratio_) : largest_ratio_);
+    return widest_[0] <= widest_rotation_ * widest_rotation_ &&
+           ratio() <= (is_far_ ? std::min(kLargestRatioFar, largest_ratio_) : largest_ratio_);
   }
   /// What rounding beside the widest variance may do to correlations of the finest.
   double rounding() const {
-    return kRounding + 16.0 * std::numeric_limits<double>::epsilon() * ratio();
+    return kRounding + 64.0 * std::numeric_limits<double>::epsilon() * ratio();
   }
 
  private:
@@ -85,6 +89,7 @@ class Precision {
   }
 
   double largest_ratio_;
+  double widest_rotation_;
   Vector6d widest_ = Vector6d::Zero();
   Vector6d finest_ = Vector6d::Constant(std::numeric_limits<double>::infinity());
   Eigen::Vector3d camera_ = Eigen::Vector3d::Zero();

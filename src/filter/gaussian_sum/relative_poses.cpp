@@ -119,9 +119,8 @@ class RelativeEstimator {
     return sum;
   }
 
-  /// The same poses by rotations of at most half a turn, where their prior agrees: beyond, the
-  /// reset of the covariance by J_l(zeta) loses what lies across a rotation of many turns. What
-  /// several poses share may be a turn beyond.
+  /// The same poses by rotations of at most half a turn, where their prior agrees. What several
+  /// poses share may be a turn beyond.
   void unwind(Iterate& next) const {
     Vector<Dim> zeta = next.zeta;
     bool is_within = true;
@@ -135,8 +134,17 @@ class RelativeEstimator {
     if (cost(unwound) < cost(next)) next = unwound;
   }
 
-  /// zeta <- -K (n - M zeta). The step is halved while the cost rises with R held fixed. Returns
-  /// the length of the step.
+  /// Whether J_l(zeta) is far from singular, as it is at a whole turn: the reset of the covariance
+  /// would lose what lies across it.
+  bool is_near(const Iterate& x) const {
+    constexpr double kMostTurn = 1.5 * std::numbers::pi;
+    for (std::size_t j = 0; j < parts_.size(); ++j)
+      if (!(segment(x.zeta, j).template head<3>().norm() < kMostTurn)) return false;
+    return true;
+  }
+
+  /// zeta <- -K (n - M zeta). The step is halved while the cost rises with R held fixed, or a pose
+  /// turns too far. Returns the length of the step.
   double step() {
     Vector<Dim> target = at_.n;
     for (std::size_t j = 0; j < parts_.size(); ++j) {
@@ -155,11 +163,12 @@ class RelativeEstimator {
       return there;
     };
     Iterate next = stepped();
-    for (int half = 0; half < kMaxHalvings && cost(next) > highest; ++half) {
+    for (int half = 0; half < kMaxHalvings && (cost(next) > highest || !is_near(next)); ++half) {
       change *= 0.5;
       information_change *= 0.5;
       next = stepped();
     }
+    if (!is_near(next)) return 0.0;
     at_ = std::move(next);
     return change.norm();
   }

@@ -191,7 +191,7 @@ class MovingObjectState {
                                    double peak, std::vector<MovingHypothesis>& births);
   void place_runs(const MovingObservation& observation, const std::vector<std::uint64_t>& places,
                   const std::vector<Eigen::ArrayXd>& begun);
-  void make_probabilities(const std::vector<double>& of_mode, double scale,
+  void make_probabilities(const std::vector<double>& of_mode, double total,
                           ModeEvidence& seen) const;
   MovingObservation weighed(const Observation& given, const KnownFrame& camera) const;
   double largest(const Evidence& evidence) const;

@@ -87,8 +87,8 @@ void MovingObjectState::move(PlacedObject& object, std::size_t model,
 }
 
 /// The weights of innovations, which are relative within the modes, become probabilities: those of
-/// the modes are `of_mode` times `scale`.
-void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, double scale,
+/// the modes are `of_mode` in `total`, which may be so small that its inverse is infinite.
+void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, double total,
                                            ModeEvidence& seen) const {
   const std::size_t n = sensor().noise.components().size();
   std::vector<double> within(modes_.count(), 0.0);
@@ -98,7 +98,7 @@ void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, d
   for (std::size_t i = 0; i < innovations.size(); ++i) {
     const std::size_t m = modes_.mode_of(i % n);
     innovations[i].weight =
-        of_mode[m] > 0.0 ? innovations[i].weight / within[m] * of_mode[m] * scale : 0.0;
+        of_mode[m] > 0.0 ? innovations[i].weight / within[m] * (of_mode[m] / total) : 0.0;
   }
 }
 
@@ -132,9 +132,8 @@ Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
         weigh_runs(weights, row, seen, {places, kept, wrong, peak}, begun[row]);
     total += in_runs;
     of_wrong += in_runs;
-    const double scale = total > 0.0 ? 1.0 / total : 0.0;
-    make_probabilities(of_mode, scale, seen);
-    seen.position.weight = seen.turned * of_wrong * scale;
+    make_probabilities(of_mode, total, seen);
+    seen.position.weight = total > 0.0 ? seen.turned * (of_wrong / total) : 0.0;
     if (total > 0.0) move(hypothesis.objects[k], k, seen);
   }
   ++hypothesis.detections;

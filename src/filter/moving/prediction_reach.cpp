@@ -6,16 +6,16 @@
 #include <cmath>
 #include <limits>
 
+#include "filter/precision.hpp"
 #include "filter/world_shift.hpp"
 
 namespace posemix::internal {
 namespace {
 
-constexpr double kReach = 1e6;
+constexpr double kPositionReach = 1e6;
 constexpr double kLeastReach_m = 10.0;
 /// Longest way of the mean, in reaches.
 constexpr double kLongestWay = 100.0;
-constexpr double kWidestRotation_rad = 100.0;
 /// After so many halves nothing is left of a time.
 constexpr int kMostHalves = 60;
 
@@ -64,7 +64,7 @@ double position_reach(const ObjectSensor& sensor) {
   double least = std::numeric_limits<double>::infinity();
   for (const NoiseComponent& component : sensor.noise.components())
     least = std::min(least, component.covariance.diagonal().tail<3>().minCoeff());
-  return std::max(kReach * std::sqrt(least), kLeastReach_m);
+  return std::max(kPositionReach * std::sqrt(least), kLeastReach_m);
 }
 
 MotionPrediction predicted_within(double reach, const MotionState& state,

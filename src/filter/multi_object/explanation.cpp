@@ -28,10 +28,18 @@ Matrix6d times_h(const Matrix18x6d& d, const Matrix6d& slow_map) {
   return s;
 }
 
-/// The factor by which a component of the noise is wider than the first one.
+/// Log determinant of a covariance; its bound by the variances, where rounding leaves no factor.
+double log_det_or_bound(const Matrix6d& covariance) {
+  const Cholesky6 factor(covariance);
+  return factor.ok() ? factor.log_det() : covariance.diagonal().array().log().sum();
+}
+
+/// The factor by which a component of the noise is wider than the first one; 1 where one of them is
+/// exact in some direction.
 double width(const NoiseAtPose& component, const NoiseAtPose& first) {
-  return std::exp(
-      (Cholesky6(component.covariance).log_det() - Cholesky6(first.covariance).log_det()) / 6.0);
+  const double ratio =
+      std::exp((log_det_or_bound(component.covariance) - log_det_or_bound(first.covariance)) / 6.0);
+  return std::isfinite(ratio) && ratio > 0.0 ? ratio : 1.0;
 }
 
 /// Covariance of the white error along the axes of the noise.

@@ -179,6 +179,7 @@ struct MultiObjectState {
   /// A camera whose rotation is less certain than a uniform one with the noise `q` of a random walk
   /// becomes independent of all else. Returns whether it did, and so has the noise.
   bool lose_camera(const Matrix6d& q);
+  Matrix6d within_reach(const Matrix6d& q) const;
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   Alternatives births_of(const TrackedObject& object, const WeighedObservation& observation,
                          const Starters& may_start, double share, BirthPlaces* put_down = nullptr);

@@ -80,7 +80,9 @@ double weigh(ModeWeights& shown, ModeEvidence& seen, const Densities& densities,
     weight = of_mode.back() + weight * alone * wrong;
   }
   double begun = weigh_runs(shown, densities, wrong, alone);
-  const double total = shown.total() + begun;
+  double total = shown.total() + begun;
+  // Its inverse would be infinite.
+  if (total < std::numeric_limits<double>::min()) total = 0.0;
   explanation.log_evidence = std::log(total) + densities.peak;
   const double scale = total > 0.0 ? 1.0 / total : 0.0;
   shown *= scale;

@@ -1,20 +1,66 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "filter/precision.hpp"
 #include "multi_object_state.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "posemix/filter/predict.hpp"
 
 namespace posemix::internal {
+namespace {
+
+/// Largest standard deviation of the camera's position that the noise of its motion leaves, beside
+/// the smallest one of a detector: beyond, a double holds nothing of the next detection.
+constexpr double kCameraReach = 1e7;
+/// A motion with less noise than this along every axis is taken as it is [rad^2, m^2].
+constexpr double kLittleNoise = 1.0;
+
+/// Of the positions of all detectors [m^2].
+double smallest_variance(const std::vector<TrackedObject>& objects) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const TrackedObject& object : objects) {
+    for (const LearnedSensor& detector : object.detectors) {
+      for (const NoiseComponent& component : detector.sensor().noise.components())
+        least = std::min(least, component.covariance.diagonal().tail<3>().minCoeff());
+    }
+  }
+  return least;
+}
+
+}  // namespace
+
+/// The noise of a motion, less where it is wide: as far as there is something left to detect.
+Matrix6d MultiObjectState::within_reach(const Matrix6d& q) const {
+  if (q.diagonal().maxCoeff() <= kLittleNoise) return q;
+  const SE3d position(SO3d(), joint.pose(kCamera).translation());
+  const Vector6d before =
+      position.inverse().adjoint_congruence(joint.covariance(kCamera, kCamera)).diagonal();
+  const auto factor = [&](Eigen::Index at, double most) {
+    const double left = std::max(0.0, most - before.segment<3>(at).maxCoeff());
+    const double asked = q.diagonal().segment<3>(at).maxCoeff();
+    return asked > left ? std::sqrt(left / asked) : 1.0;
+  };
+  Vector6d scale;
+  scale << Eigen::Vector3d::Constant(factor(0, kWidestRotation_rad * kWidestRotation_rad)),
+      Eigen::Vector3d::Constant(
+          factor(3, kCameraReach * kCameraReach * smallest_variance(objects)));
+  return scale.asDiagonal() * q * scale.asDiagonal();
+}
 
 void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d& q, double dt) {
   const SE3d before = joint.pose(kCamera);
   const SE3d camera = before * change;
   joint.set_pose(kCamera, camera);
-  joint.add_noise(kCamera, camera.adjoint_congruence(q));
+  joint.add_noise(kCamera, camera.adjoint_congruence(within_reach(q)));
   advance(dt, before);
 }
 
-void MultiObjectState::predict_random_walk(const Matrix6d& q, double dt) {
+void MultiObjectState::predict_random_walk(const Matrix6d& given, double dt) {
+  const Matrix6d q = within_reach(given);
   if (!lose_camera(q)) joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
   advance(dt, std::nullopt);
 }
@@ -68,7 +114,7 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
   joint.move_camera_by(at, transfer);
   const SE3d moved = camera * SE3d::exp(periods * velocity.log());
   joint.set_pose(kCamera, moved);
-  joint.add_noise(kCamera, moved.adjoint_congruence(q));
+  joint.add_noise(kCamera, moved.adjoint_congruence(within_reach(q)));
   joint.add_noise(at, velocity.adjoint_congruence(q_motion));
   joint.make_symmetric();
   advance(dt, std::nullopt);
