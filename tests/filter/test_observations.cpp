@@ -7,7 +7,6 @@
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <Eigen/Cholesky>
 
 #include "filter/multi_object/detection_update.hpp"
 #include "multi_object_scene.hpp"
@@ -117,28 +116,6 @@ TEST(Observations, ACovarianceOfTheirOwnIsUsedAsTheNoiseSays) {
         kSeen.inverse().adjoint_congruence(Matrix6d(filter.relative(0, 0).covariance()));
     const Matrix6d expected = use == GivenCovariance::ignored ? isotropic(2.0, 0.01) : own;
     EXPECT_LT((local - expected).norm(), 1e-4 * expected.norm()) << word_of(use);
-  }
-}
-
-// Errors of the first component along two axes are one but for rounding, of which nothing is left
-// where the covariance is turned.
-TEST(Observations, ACovarianceOfTheirOwnBesideANoiseOfNoFactorIsOne) {
-  for (const double other : {0.02, 1.0, 100.0}) {
-    Matrix6d first = isotropic(2.0, 0.01);
-    first(3, 3) = 1e4 * other * other;
-    first(4, 4) = other * other;
-    first(3, 4) = first(4, 3) = 100.0 * other * other * (1.0 - 1e-15);
-    const DetectorNoise noise({{.weight = 0.6, .covariance = first, .frame = NoiseFrame::ray},
-                               {.weight = 0.3, .covariance = isotropic(20.0, 0.1)}},
-                              {.weight = 0.1});
-    MultiObjectFilter filter = filter_with(noise);
-    Observation observation = observation_of(kSeen);
-    observation.components[0].covariance = isotropic(1.0, 0.004);
-    for (int k = 0; k < 3; ++k) {
-      filter.update(0, observation);
-      EXPECT_EQ(Eigen::LLT<Matrix6d>(filter.hypotheses(0)[0].covariance).info(), Eigen::Success);
-      EXPECT_LT((filter.hypotheses(0)[0].pose.translation() - kSeen.translation()).norm(), 1e-9);
-    }
   }
 }
 
