@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "filter/world_shift.hpp"
 #include "posemix/base/error.hpp"
 #include "posemix/base/linear.hpp"
+#include "posemix/detector/detector_noise.hpp"
 #include "posemix/lie/lie.hpp"
 
 namespace posemix::internal {
@@ -22,6 +25,16 @@ inline constexpr double kLargestVarianceRatio = 1e13;
 /// Largest standard deviation of a rotation that a prediction leaves, as all rotations are within a
 /// turn [rad].
 inline constexpr double kWidestRotation_rad = 100.0;
+
+/// The same of a position, for a detector [m]: beyond, a double holds nothing of what is seen next.
+inline double position_reach(const DetectorNoise& noise) {
+  constexpr double kReach = 1e6;
+  constexpr double kLeastReach_m = 10.0;
+  double least = std::numeric_limits<double>::infinity();
+  for (const NoiseComponent& component : noise.components())
+    least = std::min(least, component.covariance.diagonal().tail<3>().minCoeff());
+  return std::max(kReach * std::sqrt(least), kLeastReach_m);
+}
 
 /// @throws InvalidInput when a pose is so uncertain before a detection that the noise of the
 /// detection is lost in its rounding. Rotations are compared with rotations [rad], positions with

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 
 #include "filter/moving/prediction_reach.hpp"
+#include "filter/precision.hpp"
 #include "moving_object_scene.hpp"
 
 namespace posemix {
@@ -91,8 +92,8 @@ MotionState seen_state(double shift) {
 }
 
 TEST(PredictionReach, IsAMillionTimesTheSharpestPositionOfTheDetector) {
-  EXPECT_NEAR(internal::position_reach({SceneNoise{}.noise()}), 3000.0, 1e-6);
-  EXPECT_EQ(internal::position_reach({DetectorNoise({{1.0, isotropic(0.1, 1e-9)}})}), 10.0);
+  EXPECT_NEAR(internal::position_reach(SceneNoise{}.noise()), 3000.0, 1e-6);
+  EXPECT_EQ(internal::position_reach(DetectorNoise({{1.0, isotropic(0.1, 1e-9)}})), 10.0);
 }
 
 TEST(PredictionReach, NothingChangesWithinIt) {

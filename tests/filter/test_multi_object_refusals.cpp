@@ -6,7 +6,7 @@
 #include <limits>
 #include <string>
 
-#include <Eigen/Eigenvalues>
+#include <Eigen/Cholesky>
 
 #include "multi_object_scene.hpp"
 #include "posemix/testing/expect.hpp"
@@ -241,6 +241,42 @@ TEST(MultiObjectFilter, FindsWhatItLeftWhateverTheNoiseOfTheOdometry) {
         const auto relative = filter.relative(0, 0);
         EXPECT_LT((relative.mean().inverse() * moved * seen).log().norm(), 0.1)
             << rotation << ' ' << position << ' ' << k;
+      }
+    }
+  }
+}
+
+// A camera that is lost in the world may see an object; the noise of its next motion counts then.
+TEST(MultiObjectFilter, AMotionCountsBesideAnObjectHoweverUncertainTheWorldIs) {
+  const DetectorNoise noise({{1.0, isotropic(3.0, 0.01)}});
+  const SE3d seen(SO3d::exp({0.2, 0.1, -0.3}), {0.1, -0.2, 0.8});
+  MultiObjectFilter filter({SE3d(), isotropic(0.5, 0.005)}, {{noise}}, {});
+  filter.predict_with_odometry(SE3d(), isotropic(1.0, 1e6), 0.1);
+  filter.update(0, seen);
+  const double before = filter.relative(0, 0).covariance()(3, 3);
+  filter.predict_with_odometry(SE3d(), isotropic(1.0, 20.0), 0.1);
+  EXPECT_NEAR(filter.relative(0, 0).covariance()(3, 3) - before, 400.0, 40.0);
+}
+
+TEST(MultiObjectFilter, FindsAnObjectWithACameraThatIsGivenWithAnyCovariance) {
+  const DetectorNoise noise({{1.0, isotropic(3.0, 0.01)}});
+  const SE3d seen(SO3d::exp({0.2, 0.1, -0.3}), {0.1, -0.2, 0.8});
+  for (const double wide : {1e3, 1e5, 9e7}) {
+    for (int row = 0; row < 6; ++row) {
+      MultiObjectFilter filter({SE3d(), isotropic(0.5, 0.005)}, {{noise}}, {});
+      filter.update(0, seen);
+      Matrix6d given = isotropic(0.5, 0.01);
+      given(row, row) = wide * wide;
+      for (int k = 0; k < 20; ++k) {
+        if (k % 5 == 0) filter.set_camera({SE3d(SO3d(), {0.01, 0.02, 0.03}), given}, 0.1);
+        filter.update(0, seen);
+        // About the origin, rounding of 9e7 rad is more than the variance of the camera's place.
+        if (row >= 3 || wide < 1e6) {
+          EXPECT_EQ(Eigen::LLT<Matrix6d>(filter.camera().covariance()).info(), Eigen::Success);
+        }
+        EXPECT_TRUE(filter.camera().covariance().allFinite());
+        EXPECT_LT((filter.relative(0, 0).mean().inverse() * seen).log().norm(), 0.1)
+            << wide << ' ' << row << ' ' << k;
       }
     }
   }

@@ -177,9 +177,10 @@ class MultiObjectFilter {
   ~MultiObjectFilter();
 
   /// Odometry over `dt` seconds: T_C <- T_C motion. `q` is the covariance of the step's noise
-  /// (right perturbation, camera frame). Less of it is taken, as in the other predictions, where
-  /// the camera's position would have a standard deviation of more than 1e7 times the smallest one
-  /// of a detector's noise, or its rotation one of more than 100 rad.
+  /// (right perturbation, camera frame). Less of it is taken, as in the other predictions and of a
+  /// camera that is given, where the camera's position would have a standard deviation of more than
+  /// 1e6 times the smallest one of a detector's noise (10 m at least), or its rotation one of more
+  /// than 100 rad.
   void predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt);
 
   /// Random walk, or a frame without odometry: the mean stays, and the camera gets all of the noise

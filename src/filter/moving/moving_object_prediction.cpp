@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "detector/view_turn.hpp"
+#include "filter/precision.hpp"
 #include "moving_object_state.hpp"
 #include "prediction_reach.hpp"
 
@@ -172,8 +173,9 @@ std::vector<SE3d> MovingObjectState::frame_motions(const std::vector<KnownFrame>
 MotionPrediction MovingObjectState::predicted(const PlacedObject& object, std::size_t model,
                                               double dt, const std::vector<SE3d>& moved) const {
   const auto* attached = std::get_if<AttachedMotion>(&models_.models[model]);
-  return predicted_within(position_reach(sensor()), object.motion_state(), models_.models[model],
-                          dt, attached && frame_of(model) ? moved[attached->frame] : SE3d());
+  return predicted_within(position_reach(sensor().noise), object.motion_state(),
+                          models_.models[model], dt,
+                          attached && frame_of(model) ? moved[attached->frame] : SE3d());
 }
 
 void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& frames) {

@@ -2,9 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "prediction_reach.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "filter/precision.hpp"
 #include "filter/world_shift.hpp"
@@ -12,8 +10,6 @@
 namespace posemix::internal {
 namespace {
 
-constexpr double kPositionReach = 1e6;
-constexpr double kLeastReach_m = 10.0;
 /// Longest way of the mean, in reaches.
 constexpr double kLongestWay = 100.0;
 /// After so many halves nothing is left of a time.
@@ -59,13 +55,6 @@ void limit_rotation(MotionPrediction& prediction) {
 }
 
 }  // namespace
-
-double position_reach(const ObjectSensor& sensor) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const NoiseComponent& component : sensor.noise.components())
-    least = std::min(least, component.covariance.diagonal().tail<3>().minCoeff());
-  return std::max(kPositionReach * std::sqrt(least), kLeastReach_m);
-}
 
 MotionPrediction predicted_within(double reach, const MotionState& state,
                                   const ObjectMotion& motion, double dt, const SE3d& frame_motion) {

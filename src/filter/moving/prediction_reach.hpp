@@ -2,16 +2,11 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
-#include "posemix/detector/object_sensor.hpp"
 #include "posemix/filter/object_motion.hpp"
 
 /// How far a motion model predicts: the longer an object is not seen, the less a double holds of
 /// the detection that ends it.
 namespace posemix::internal {
-
-/// Largest standard deviation of a position [m] for a detector: 1e6 of its smallest one, and 10 m
-/// at least.
-double position_reach(const ObjectSensor& sensor);
 
 /// The state after `dt` seconds, or after the part of them, by halves, in which the position's
 /// standard deviation stays within the reach, and its mean within a hundred of it: farther, the

@@ -179,6 +179,10 @@ struct MultiObjectState {
   /// A camera whose rotation is less certain than a uniform one with the noise `q` of a random walk
   /// becomes independent of all else. Returns whether it did, and so has the noise.
   bool lose_camera(const Matrix6d& q);
+  /// A covariance of the camera in its own place, less where it is wide: as far as there is
+  /// something left to detect, beside what there is before.
+  Matrix6d within_reach(const Matrix6d& covariance, const Matrix6d& before) const;
+  /// The same of the noise of the camera's motion.
   Matrix6d within_reach(const Matrix6d& q) const;
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   Alternatives births_of(const TrackedObject& object, const WeighedObservation& observation,

@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include <Eigen/Eigenvalues>
+
 #include "filter/precision.hpp"
 #include "multi_object_state.hpp"
 #include "posemix/density/pose_stack.hpp"
@@ -13,42 +15,51 @@
 namespace posemix::internal {
 namespace {
 
-/// Largest standard deviation of the camera's position that the noise of its motion leaves, beside
-/// the smallest one of a detector: beyond, a double holds nothing of the next detection.
-constexpr double kCameraReach = 1e7;
 /// A motion with less noise than this along every axis is taken as it is [rad^2, m^2].
 constexpr double kLittleNoise = 1.0;
 
-/// Of the positions of all detectors [m^2].
-double smallest_variance(const std::vector<TrackedObject>& objects) {
+/// Of all detectors [m].
+double shortest_reach(const std::vector<TrackedObject>& objects) {
   double least = std::numeric_limits<double>::infinity();
-  for (const TrackedObject& object : objects) {
-    for (const LearnedSensor& detector : object.detectors) {
-      for (const NoiseComponent& component : detector.sensor().noise.components())
-        least = std::min(least, component.covariance.diagonal().tail<3>().minCoeff());
-    }
-  }
+  for (const TrackedObject& object : objects)
+    for (const LearnedSensor& detector : object.detectors)
+      least = std::min(least, position_reach(detector.sensor().noise));
   return least;
+}
+
+/// What shortens the directions of a covariance in which it is wider, with what was before, than a
+/// largest standard deviation. A hundredth of that is taken in any case, as a camera that is lost
+/// in the world may be known beside an object.
+Eigen::Matrix3d shortening(double largest, const Eigen::Matrix3d& before,
+                           const Eigen::Matrix3d& covariance) {
+  constexpr double kAlways = 0.01;
+  const double most = largest * largest;
+  const double left = std::max(kAlways * kAlways * most, most - before.diagonal().maxCoeff());
+  if (covariance.diagonal().maxCoeff() <= left) return Eigen::Matrix3d::Identity();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  const Eigen::Array3d factors = (left / axes.eigenvalues().array().max(left)).sqrt();
+  return axes.eigenvectors() * factors.matrix().asDiagonal() * axes.eigenvectors().transpose();
 }
 
 }  // namespace
 
-/// The noise of a motion, less where it is wide: as far as there is something left to detect.
+Matrix6d MultiObjectState::within_reach(const Matrix6d& covariance, const Matrix6d& before) const {
+  Matrix6d shorter = Matrix6d::Zero();
+  shorter.topLeftCorner<3, 3>() = shortening(kWidestRotation_rad, before.topLeftCorner<3, 3>(),
+                                             covariance.topLeftCorner<3, 3>());
+  shorter.bottomRightCorner<3, 3>() =
+      shortening(shortest_reach(objects), before.bottomRightCorner<3, 3>(),
+                 covariance.bottomRightCorner<3, 3>());
+  if (shorter == Matrix6d::Identity()) return covariance;
+  Matrix6d less = shorter * covariance * shorter;
+  symmetrize(less);
+  return less;
+}
+
 Matrix6d MultiObjectState::within_reach(const Matrix6d& q) const {
   if (q.diagonal().maxCoeff() <= kLittleNoise) return q;
   const SE3d position(SO3d(), joint.pose(kCamera).translation());
-  const Vector6d before =
-      position.inverse().adjoint_congruence(joint.covariance(kCamera, kCamera)).diagonal();
-  const auto factor = [&](Eigen::Index at, double most) {
-    const double left = std::max(0.0, most - before.segment<3>(at).maxCoeff());
-    const double asked = q.diagonal().segment<3>(at).maxCoeff();
-    return asked > left ? std::sqrt(left / asked) : 1.0;
-  };
-  Vector6d scale;
-  scale << Eigen::Vector3d::Constant(factor(0, kWidestRotation_rad * kWidestRotation_rad)),
-      Eigen::Vector3d::Constant(
-          factor(3, kCameraReach * kCameraReach * smallest_variance(objects)));
-  return scale.asDiagonal() * q * scale.asDiagonal();
+  return within_reach(q, position.inverse().adjoint_congruence(joint.covariance(kCamera, kCamera)));
 }
 
 void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d& q, double dt) {
@@ -124,8 +135,12 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
 void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt) {
   take_in_world_error();
   const SE3d before = joint.pose(kCamera);
+  const SE3d position(SO3d(), world_camera.mean().translation());
+  const Matrix6d here = position.inverse().adjoint_congruence(world_camera.covariance());
+  const Matrix6d less = within_reach(here, Matrix6d::Zero());
   joint.set_pose(kCamera, world_camera.mean());
-  joint.release_camera(world_camera.covariance());
+  joint.release_camera(less == here ? world_camera.covariance()
+                                    : position.adjoint_congruence(less));
   for (TrackedObject& object : objects) object.belief.release_camera();
   camera_given_at = update_count;
   advance(dt, before);
