@@ -160,6 +160,30 @@ class AllHistories {
     return adjoint * along.covariance * adjoint.transpose();
   }
 
+  /// Mean and covariance move, the latter to the tangent space at the new mean.
+  static MotionState moved(MotionState state, const Vector12d& by) {
+    state.pose = SE3d::exp(Vector6d(by.head<6>())) * state.pose;
+    state.twist += by.tail<6>();
+    Eigen::Matrix<double, 12, 12> f = Eigen::Matrix<double, 12, 12>::Identity();
+    f.topLeftCorner<6, 6>() = SE3d::left_jacobian(Vector6d(by.head<6>()));
+    state.covariance = (f * state.covariance * f.transpose()).eval();
+    return state;
+  }
+
+  /// The correction of a state whose mean has been moved by `way`.
+  void correct(MotionState& state, const Matrix6d& covariance, const Vector6d& way) const {
+    const Vector6d z = (camera_ * seen_ * state.pose.inverse()).log();
+    const Eigen::Matrix<double, 12, 6> d = state.covariance.leftCols<6>();
+    const Matrix6d s = Matrix6d(d.topRows<6>()) + world_noise(covariance, state.pose);
+    const Eigen::Matrix<double, 12, 6> gain =
+        Eigen::LLT<Matrix6d>(s).solve(d.transpose()).transpose();
+    Vector12d by = gain * (z + way);
+    by.head<6>() -= way;
+    state.covariance -= gain * d.transpose();
+    symmetrize(state.covariance);
+    state = moved(state, by);
+  }
+
   /// The detection shows the object, or the place of a run, under every component of the noise.
   void see(const History& history, const std::optional<MotionState>& place, double log_weight,
            bool of_run, std::vector<History>& next) const {
@@ -183,15 +207,11 @@ class AllHistories {
         const Vector6d z = (camera_ * seen_ * state.pose.inverse()).log();
         const Matrix6d s = Matrix6d(state.covariance.topLeftCorner<6, 6>()) +
                            world_noise(component.covariance, state.pose);
-        const Eigen::LLT<Matrix6d> factor(s);
-        child.log_weight += log_normal(factor, z);
-        const Eigen::Matrix<double, 12, 6> d = state.covariance.leftCols<6>();
-        const Eigen::Matrix<double, 12, 6> gain = factor.solve(d.transpose()).transpose();
-        const Vector12d move = gain * z;
-        state.pose = SE3d::exp(Vector6d(move.head<6>())) * state.pose;
-        state.twist += move.tail<6>();
-        state.covariance -= gain * d.transpose();
-        symmetrize(state.covariance);
+        child.log_weight += log_normal(Eigen::LLT<Matrix6d>(s), z);
+        // Linearised where a first correction takes the pose.
+        const Vector6d way = state.covariance.topLeftCorner<6, 6>() * s.inverse() * z;
+        state = moved(state, (Vector12d() << way, Vector6d::Zero()).finished());
+        correct(state, component.covariance, way);
       }
       (of_run ? child.run : child.object) = state;
       next.push_back(child);

@@ -67,11 +67,11 @@ TEST(MovingObjectGaps, ItIsWhereItIsSeenHoweverLongItWasNot) {
   for (const MotionModels& models : motions()) {
     double nees = 0.0;
     int count = 0;
-    for (const double gap_s : {10.0, 60.0, 600.0, 3600.0, 86400.0, 2.6e6, 3e7}) {
+    for (const double gap_s : {10.0, 40.0, 60.0, 600.0, 3600.0, 86400.0, 2.6e6, 3e7}) {
       for (const double shift : {0.0, 40.0, 1000.0}) {
         for (std::uint64_t seed = 1; seed <= 4; ++seed) {
           const auto [distance, last] = after_a_gap(models, gap_s, shift, seed, seed % 2 == 0);
-          EXPECT_LT(distance, 0.08) << gap_s << " s, " << shift << " m, seed " << seed;
+          EXPECT_LT(distance, 0.04) << gap_s << " s, " << shift << " m, seed " << seed;
           nees += last;
           ++count;
         }
@@ -124,7 +124,7 @@ TEST(PredictionReach, ACovarianceBeyondItIsThatOfAShorterTimeAndOfASmallerTurn) 
                                 .adjoint_congruence(Matrix6d(p.topLeftCorner<6, 6>()));
       EXPECT_NEAR(here.diagonal().head<3>().cwiseSqrt().maxCoeff(), 100.0, 1e-6);
       EXPECT_LE(here.diagonal().tail<3>().cwiseSqrt().maxCoeff(), 3000.0);
-      EXPECT_GT(here.diagonal().tail<3>().cwiseSqrt().maxCoeff(), 100.0);
+      EXPECT_GT(here.diagonal().tail<3>().cwiseSqrt().maxCoeff(), dt > 100.0 ? 2850.0 : 100.0);
       EXPECT_LT((after.state.pose.translation() - state.pose.translation()).norm(), 3000.0);
       // P = F P F^T + Q, which is definite, as a smoother needs them.
       const Matrix12d propagated =

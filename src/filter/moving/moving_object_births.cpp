@@ -59,18 +59,22 @@ MovingHypothesis MovingObjectState::birth(const ObservationComponent& seen, std:
 /// The hypothesis of a weight by now that explains a component of the observation best, within the
 /// quantile.
 MovingHypothesis* MovingObjectState::explaining(const Evidence& evidence, std::size_t component,
-                                                double least_weight) {
+                                                double least_weight, SplitHypotheses& split) {
   constexpr double kLeastModelShare = 0.01;
   double least = explained_;
   MovingHypothesis* nearest = nullptr;
   for (std::size_t h = 0; h < evidence.size(); ++h) {
-    const Eigen::ArrayXd by_model = hypotheses_[h].weights.by_model();
+    const SplitHypotheses::Place& place = split.places[h];
+    const std::optional<std::size_t> of_component = place.of_component[component];
+    if (place.is_split && !of_component) continue;
+    MovingHypothesis& at = at_place(h, of_component.value_or(0), split);
+    const Eigen::ArrayXd by_model = at.weights.by_model();
     if (!(by_model.sum() > least_weight)) continue;
     for (std::size_t k = 0; k < model_count(); ++k) {
       if (by_model[static_cast<Eigen::Index>(k)] < kLeastModelShare * by_model.sum()) continue;
       if (evidence[h][k].squared_distances[component] >= least) continue;
       least = evidence[h][k].squared_distances[component];
-      nearest = &hypotheses_[h];
+      nearest = &at;
     }
   }
   return nearest;
@@ -132,17 +136,19 @@ void MovingObjectState::trace_arrival(const Arrival& all, std::uint64_t id,
 /// one for each mode of the noise. Returns the place of every component.
 std::vector<std::uint64_t> MovingObjectState::begin(const MovingObservation& observation,
                                                     const Evidence& evidence, double peak,
+                                                    SplitHypotheses& split,
                                                     std::vector<MovingHypothesis>& births) {
   constexpr double kLeastBirth = 1e-14;
   // What joins a hypothesis does not move it, and so has to be a small part of it.
   constexpr double kMostJoining = 0.05;
   double of_others = 0.0;
-  for (const MovingHypothesis& hypothesis : hypotheses_) of_others += hypothesis.weights.total();
+  for (const auto* list : {&hypotheses_, &split.parts})
+    for (const MovingHypothesis& hypothesis : *list) of_others += hypothesis.weights.total();
   std::vector<std::uint64_t> places;
   for (std::size_t i = 0; i < observation.weighed.components.size(); ++i) {
     const Arrival all = arrival(observation, evidence, peak, i);
     const Eigen::ArrayXXd& part = all.weight;
-    if (MovingHypothesis* nearest = explaining(evidence, i, part.sum() / kMostJoining)) {
+    if (MovingHypothesis* nearest = explaining(evidence, i, part.sum() / kMostJoining, split)) {
       nearest->weights.right += part;
       trace_arrival(all, nearest->id, std::nullopt);
       places.push_back(nearest->id);
@@ -166,17 +172,18 @@ std::vector<std::uint64_t> MovingObjectState::begin(const MovingObservation& obs
 /// the detector is right.
 void MovingObjectState::place_runs(const MovingObservation& observation,
                                    const std::vector<std::uint64_t>& places,
-                                   const std::vector<Eigen::ArrayXd>& begun) {
+                                   SplitHypotheses& split) {
   const Eigen::ArrayXd lost_begun = lost_.runs.front().weight;
   lost_.runs.front().weight.setZero();
   for (std::size_t i = 0; i < places.size(); ++i) {
     const double weight = observation.weighed.components[i].weight;
     for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
-      MovingHypothesis& hypothesis = hypotheses_[h];
+      const SplitHypotheses::Place& place = split.places[h];
+      MovingHypothesis& hypothesis = at_place(h, place.of_wrong, split);
       if (places[i] == hypothesis.id) {
-        hypothesis.weights.right.col(0) += weight * begun[h];
+        hypothesis.weights.right.col(0) += weight * place.begun;
       } else {
-        hypothesis.weights.run_at(places[i]) += weight * begun[h];
+        hypothesis.weights.run_at(places[i]) += weight * place.begun;
       }
     }
     lost_.run_at(places[i]) += weight * lost_begun;

@@ -40,22 +40,32 @@ ModeWeights of_models(const Eigen::ArrayXd& weights) {
 
 /// Smoothed weights of what a step has before its observation, by model.
 struct BackwardFlow {
-  /// By hypothesis before the step: that goes on, and that ends by a turn.
-  std::vector<Eigen::ArrayXd> goes_on = {};
+  /// As what a hypothesis goes on after the step.
+  struct Later {
+    Eigen::ArrayXd weight;
+    const MovingHypothesis* hypothesis;
+  };
+  /// By hypothesis before the step: that goes on, in parts where it was split, and that ends by a
+  /// turn.
+  std::vector<std::vector<Later>> goes_on = {};
   std::vector<Eigen::ArrayXd> ends = {};
-  /// By hypothesis, as what it goes on after the step; none where it was dropped.
-  std::vector<const MovingHypothesis*> later = {};
   Eigen::ArrayXd lost = {};
 };
+
+/// The hypothesis of which one is a part; itself where it is none.
+std::uint64_t whole_of(const StepTrace& trace, std::uint64_t id) {
+  for (const Arrival& arrival : trace.arrivals)
+    if (arrival.id == id && arrival.from_lost.size() == 0) return arrival.turned.front().first;
+  return id;
+}
 
 /// Eq. (17): from after the observation to before it.
 BackwardFlow flow_of(const std::vector<MovingHypothesis>& before, const StepTrace& trace,
                      const MovingBelief& after) {
   BackwardFlow flow{.lost = after.lost.by_model()};
   const Eigen::ArrayXd none = Eigen::ArrayXd::Zero(flow.lost.size());
-  flow.goes_on.assign(before.size(), none);
+  flow.goes_on.resize(before.size());
   flow.ends.assign(before.size(), none);
-  flow.later.assign(before.size(), nullptr);
   const auto index = [&](std::uint64_t id) {
     const MovingHypothesis* at = find(before, id);
     return at ? static_cast<std::size_t>(at - before.data()) : before.size();
@@ -70,7 +80,7 @@ BackwardFlow flow_of(const std::vector<MovingHypothesis>& before, const StepTrac
     const Eigen::ArrayXd smoothed = later->weights.by_model() * share(weight, merged);
     Eigen::ArrayXd own = weight;
     for (const Arrival& arrival : trace.arrivals) {
-      if (arrival.id != id) continue;
+      if (arrival.id != id || arrival.from_lost.size() == 0) continue;
       own -= arrival.weight.col(0);
       flow.lost += smoothed * share(arrival.from_lost.col(0), weight);
       for (const auto& [from, turned] : arrival.turned) {
@@ -78,10 +88,9 @@ BackwardFlow flow_of(const std::vector<MovingHypothesis>& before, const StepTrac
         if (h < before.size()) flow.ends[h] += smoothed * share(turned.col(0), weight);
       }
     }
-    const std::size_t h = index(id);
+    const std::size_t h = index(whole_of(trace, id));
     if (h == before.size()) continue;
-    flow.goes_on[h] = smoothed * share(own.max(0.0), weight);
-    flow.later[h] = later;
+    flow.goes_on[h].push_back({smoothed * share(own.max(0.0), weight), later});
   }
   return flow;
 }
@@ -217,14 +226,17 @@ MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
     const Eigen::ArrayXd changed = (transition.transpose() * before.matrix()).array();
     std::vector<SmoothedPart> parts;
     std::vector<PlacedObject> mixed;
-    if (flow.goes_on[h].sum() > kLeastWeight) mixed = mixed_models(hypothesis, transition);
-    for (std::size_t k = 0; k < model_count() && !mixed.empty(); ++k) {
-      const auto column = static_cast<Eigen::Index>(k);
-      if (!(flow.goes_on[h][column] > kLeastWeight)) continue;
-      const PlacedObject smoothed =
-          smoothed_mixture(mixed[k], k, hypothesis, next, flow.later[h]->objects[k]);
-      split_models(hypothesis, before * transition.col(column).array(), mixed[k], smoothed, k,
-                   flow.goes_on[h][column], parts);
+    for (const BackwardFlow::Later& later : flow.goes_on[h]) {
+      if (!(later.weight.sum() > kLeastWeight)) continue;
+      if (mixed.empty()) mixed = mixed_models(hypothesis, transition);
+      for (std::size_t k = 0; k < model_count(); ++k) {
+        const auto column = static_cast<Eigen::Index>(k);
+        if (!(later.weight[column] > kLeastWeight)) continue;
+        const PlacedObject smoothed =
+            smoothed_mixture(mixed[k], k, hypothesis, next, later.hypothesis->objects[k]);
+        split_models(hypothesis, before * transition.col(column).array(), mixed[k], smoothed, k,
+                     later.weight[column], parts);
+      }
     }
     // What ends here knows nothing of what comes later.
     const Eigen::ArrayXd ends = share(flow.ends[h], changed) + gone * of_lost;

@@ -90,16 +90,27 @@ void mix_objects(MovingHypothesis& first, MovingHypothesis& second,
   }
 }
 
-}  // namespace
-
-/// Hypotheses that agree become one, of the id of the more probable: "Reduction".
-std::size_t MovingObjectState::merge() {
-  const SymmetryGroup& symmetries = sensor().symmetries;
+/// Whether the most probable models of two hypotheses agree, and fit one Gaussian.
+bool are_one_place(const MovingHypothesis& first, const MovingHypothesis& second,
+                   const SymmetryGroup& symmetries, const MergeBounds& bounds) {
   const auto conditional = [](const PlacedObject& object) {
     ConditionalPose pose{object.pose, {}, Matrix12d::Zero(), Matrix12x6d::Zero()};
     pose.covariance.topLeftCorner<6, 6>() = object.pose_covariance();
     return pose;
   };
+  const PlacedObject& heavier = first.objects[first.best_model()];
+  PlacedObject lighter = second.objects[second.best_model()];
+  ConditionalPose equivalent = conditional(lighter);
+  if (!agree(Matrix6d::Zero(), symmetries, bounds, conditional(heavier), equivalent)) return false;
+  lighter.pose = equivalent.pose;
+  return fit_one_gaussian({first.weights.total(), &heavier}, {second.weights.total(), &lighter});
+}
+
+}  // namespace
+
+/// Hypotheses that agree become one, of the id of the more probable: "Reduction".
+std::size_t MovingObjectState::merge() {
+  const SymmetryGroup& symmetries = sensor().symmetries;
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(), [](const auto& a, const auto& b) {
     return a.weights.total() > b.weights.total();
   });
@@ -108,9 +119,7 @@ std::size_t MovingObjectState::merge() {
     for (std::size_t b = a + 1; b < hypotheses_.size();) {
       MovingHypothesis& first = hypotheses_[a];
       MovingHypothesis& second = hypotheses_[b];
-      const ConditionalPose at = conditional(first.objects[first.best_model()]);
-      ConditionalPose other = conditional(second.objects[second.best_model()]);
-      if (!agree(Matrix6d::Zero(), symmetries, merge_bounds_, at, other)) {
+      if (!are_one_place(first, second, symmetries, merge_bounds_)) {
         ++b;
         continue;
       }

@@ -14,6 +14,7 @@
 #include "filter/multi_object/object_merge.hpp"
 #include "filter/world_shift.hpp"
 #include "mode_weights.hpp"
+#include "observed_cases.hpp"
 #include "placed_object.hpp"
 #include "posemix/base/state_fields.hpp"
 
@@ -48,8 +49,9 @@ struct MovingObservation {
 /// one column where modes are summed.
 struct Arrival {
   std::uint64_t id = 0;
-  Eigen::ArrayXXd weight = {};     ///< all of it
-  Eigen::ArrayXXd from_lost = {};  ///< the place was not known
+  Eigen::ArrayXXd weight = {};  ///< all of it
+  /// The place was not known. Empty: this is a part of the hypothesis in `turned`, which was split.
+  Eigen::ArrayXXd from_lost = {};
   /// The object was at the place of a hypothesis, of which this is the id, and has been turned.
   std::vector<std::pair<std::uint64_t, Eigen::ArrayXXd>> turned = {};
 };
@@ -170,15 +172,45 @@ class MovingObjectState {
                     double elsewhere) const;
   double weigh_runs(ModeWeights& weights, Eigen::Index row, const ModeEvidence& seen,
                     const RunEvidence& given, double& begun) const;
-  /// Eq. (11) to (14) for one hypothesis; returns the weight of runs that began.
-  Eigen::ArrayXd weigh_and_move(MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
+  /// A hypothesis after eq. (11), by model.
+  struct WeighedHypothesis {
+    Eigen::ArrayXd total = {};
+    Eigen::ArrayXXd alone = {};  ///< of wrong detections that stand alone, by mode before
+    Eigen::ArrayXd begun = {};   ///< of runs that began
+  };
+  /// Hypotheses in parts, as the cases of an observation fit no single Gaussian.
+  struct SplitHypotheses {
+    /// What became of a hypothesis: 0 is itself, and more, less one, the index of a part.
+    struct Place {
+      /// Where a component of the observation is; none where no case of it is probable.
+      std::vector<std::optional<std::size_t>> of_component = {};
+      std::size_t of_wrong = 0;   ///< where the detector is wrong
+      Eigen::ArrayXd begun = {};  ///< weight of runs that began
+      bool is_split = false;
+    };
+    std::vector<Place> places = {};            ///< by hypothesis
+    std::vector<MovingHypothesis> parts = {};  ///< the less probable ones
+  };
+  MovingHypothesis& at_place(std::size_t hypothesis, std::size_t place, SplitHypotheses& split) {
+    return place == 0 ? hypotheses_[hypothesis] : split.parts[place - 1];
+  }
+  WeighedHypothesis weigh_modes(MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
                                 const std::vector<double>& places, const std::vector<double>& kept,
-                                const MovingObservation& observation, double peak);
-  void move(PlacedObject& object, std::size_t model, const ModeEvidence& evidence) const;
+                                const MovingObservation& observation, double peak) const;
+  void move(std::size_t index, const WeighedHypothesis& weighed,
+            const std::vector<ModeEvidence>& evidence, const MovingObservation& observation,
+            SplitHypotheses& split);
+  MovingHypothesis part_of(MovingHypothesis& whole, const CaseGroup& group,
+                           const WeighedHypothesis& weighed,
+                           const std::vector<ModeEvidence>& evidence) const;
+  template <class Belongs>
+  void mix_cases(const std::vector<std::vector<ObservedCase>>& cases, const Belongs& belongs,
+                 MovingHypothesis& hypothesis) const;
+  void trace_split(std::uint64_t whole, const MovingHypothesis& part);
   MovingHypothesis birth(const ObservationComponent& seen, std::size_t mode,
                          const KnownFrame& camera) const;
-  MovingHypothesis* explaining(const Evidence& evidence, std::size_t component,
-                               double least_weight);
+  MovingHypothesis* explaining(const Evidence& evidence, std::size_t component, double least_weight,
+                               SplitHypotheses& split);
   Eigen::ArrayXXd begun_from_lost(const MovingObservation& observation, double peak,
                                   std::size_t component) const;
   Eigen::ArrayXXd begun_by_turn(const MovingObservation& observation, const Evidence& evidence,
@@ -188,9 +220,10 @@ class MovingObjectState {
   void trace_arrival(const Arrival& all, std::uint64_t id, std::optional<std::size_t> mode);
   void trace_weights(const std::vector<MovingHypothesis>& births);
   std::vector<std::uint64_t> begin(const MovingObservation& observation, const Evidence& evidence,
-                                   double peak, std::vector<MovingHypothesis>& births);
+                                   double peak, SplitHypotheses& split,
+                                   std::vector<MovingHypothesis>& births);
   void place_runs(const MovingObservation& observation, const std::vector<std::uint64_t>& places,
-                  const std::vector<Eigen::ArrayXd>& begun);
+                  SplitHypotheses& split);
   void make_probabilities(const std::vector<double>& of_mode, double total,
                           ModeEvidence& seen) const;
   MovingObservation weighed(const Observation& given, const KnownFrame& camera) const;

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <utility>
@@ -19,9 +20,6 @@ KnownFrame moved(const KnownFrame& frame, const WorldShift& shift) {
 }
 
 constexpr double kImpossible = -std::numeric_limits<double>::infinity();
-
-/// Children of a Gaussian below this probability do not move it.
-constexpr double kLeastChild = 1e-5;
 
 }  // namespace
 
@@ -62,30 +60,6 @@ std::vector<double> MovingObjectState::place_evidence(const Evidence& evidence) 
   return result;
 }
 
-/// Eq. (14): the moments of all cases: components of the noise in every mode, a turned detection,
-/// and one that tells nothing. The weights of the innovations are probabilities by now.
-void MovingObjectState::move(PlacedObject& object, std::size_t model,
-                             const ModeEvidence& evidence) const {
-  const Vector18d gain = gain_factors();
-  const Matrix18d before = object.covariance;
-  Vector18d mean;
-  GaussianUpdate<Vector18d, Matrix18d> update(gain, mean, object.covariance);
-  using Columns = Eigen::Matrix<double, 18, 6>;
-  const auto columns = [&](const Innovation& seen) {
-    Columns d = before.leftCols<6>();
-    d.noalias() += before.rightCols<6>() * seen.slow_map.transpose();
-    return d;
-  };
-  for (const Innovation& seen : evidence.explanation.innovations) {
-    if (seen.weight > kLeastChild) update.add(seen, columns(seen));
-  }
-  if (evidence.position.weight > kLeastChild)
-    update.add(evidence.position, columns(evidence.position));
-  update.finish();
-  object.move(mean);
-  fix_unobserved(object, sensor().symmetries, models_.models[model]);
-}
-
 /// The weights of innovations, which are relative within the modes, become probabilities: those of
 /// the modes are `of_mode` in `total`, which may be so small that its inverse is infinite.
 void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, double total,
@@ -102,42 +76,40 @@ void MovingObjectState::make_probabilities(const std::vector<double>& of_mode, d
   }
 }
 
-/// Eq. (11) for one hypothesis, then its Gaussians move.
-Eigen::ArrayXd MovingObjectState::weigh_and_move(MovingHypothesis& hypothesis,
-                                                 std::vector<ModeEvidence>& evidence,
-                                                 const std::vector<double>& places,
-                                                 const std::vector<double>& kept,
-                                                 const MovingObservation& observation,
-                                                 double peak) {
+/// Eq. (11) for one hypothesis. The innovations get their probabilities.
+MovingObjectState::WeighedHypothesis MovingObjectState::weigh_modes(
+    MovingHypothesis& hypothesis, std::vector<ModeEvidence>& evidence,
+    const std::vector<double>& places, const std::vector<double>& kept,
+    const MovingObservation& observation, double peak) const {
   const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
   const double shown = 1.0 - wrong.alone;
   ModeWeights& weights = hypothesis.weights;
-  Eigen::ArrayXd begun = Eigen::ArrayXd::Zero(static_cast<Eigen::Index>(model_count()));
+  const auto models = static_cast<Eigen::Index>(model_count());
+  WeighedHypothesis result{.total = Eigen::ArrayXd::Zero(models),
+                           .alone = Eigen::ArrayXXd::Zero(models, weights.right.cols()),
+                           .begun = Eigen::ArrayXd::Zero(models)};
   for (std::size_t k = 0; k < model_count(); ++k) {
     ModeEvidence& seen = evidence[k];
     const auto row = static_cast<Eigen::Index>(k);
     const double wrong_density = std::exp(seen.log_wrong - peak);
-    double total = 0.0;
-    double of_wrong = 0.0;
     std::vector<double> of_mode(modes_.count(), 0.0);
     for (std::size_t m = 0; m < modes_.count(); ++m) {  // eq. (11), the detector is right
-      double& weight = weights.right(row, static_cast<Eigen::Index>(m));
+      const auto column = static_cast<Eigen::Index>(m);
+      double& weight = weights.right(row, column);
       of_mode[m] = weight * shown * std::exp(seen.log_right[m] - peak);
-      const double alone = weight * wrong.alone * wrong_density;
-      weight = of_mode[m] + alone;
-      total += weight;
-      of_wrong += alone;
+      result.alone(row, column) = weight * wrong.alone * wrong_density;
+      weight = of_mode[m] + result.alone(row, column);
     }
     const double in_runs =  // eq. (11), it is in a run
-        weigh_runs(weights, row, seen, {places, kept, wrong, peak}, begun[row]);
-    total += in_runs;
-    of_wrong += in_runs;
+        weigh_runs(weights, row, seen, {places, kept, wrong, peak}, result.begun[row]);
+    const double of_wrong = result.alone.row(row).sum() + in_runs;
+    const double total = weights.right.row(row).sum() + in_runs;
+    result.total[row] = total;
     make_probabilities(of_mode, total, seen);
     seen.position.weight = total > 0.0 ? seen.turned * (of_wrong / total) : 0.0;
-    if (total > 0.0) move(hypothesis.objects[k], k, seen);
   }
   ++hypothesis.detections;
-  return begun;
+  return result;
 }
 
 /// The scale of the noise is learned from the innovation of the leading hypothesis, and slow errors
@@ -192,29 +164,39 @@ double MovingObjectState::log_anywhere() const {
 /// Eq. (10) to (15). Returns the log of the summed weights.
 double MovingObjectState::take_in(const MovingObservation& observation, Evidence& evidence,
                                   std::vector<MovingHypothesis>& births) {
+  const MovingBelief before{hypotheses_, lost_};
   const std::vector<double> places = place_evidence(evidence);
   const double peak = largest(evidence);
   const WrongShares wrong = wrong_shares(observation.clutter, settings_.isolated_clutter);
-  std::vector<Eigen::ArrayXd> begun;
-  begun.reserve(hypotheses_.size());
   std::vector<std::vector<double>> kept;
   for (MovingHypothesis& hypothesis : hypotheses_) {
     draw_modes(hypothesis, observation);
     kept.push_back(keep_offsets(hypothesis));
   }
-  for (std::size_t h = 0; h < hypotheses_.size(); ++h)
-    begun.push_back(
-        weigh_and_move(hypotheses_[h], evidence[h], places, kept[h], observation, peak));
+  SplitHypotheses split;
+  for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
+    const WeighedHypothesis weighed =
+        weigh_modes(hypotheses_[h], evidence[h], places, kept[h], observation, peak);
+    move(h, weighed, evidence[h], observation, split);
+  }
   lost_.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
                    places_but(kAnyPlace));
   weigh_lost(observation, places, peak);
-  const std::vector<std::uint64_t> at = begin(observation, evidence, peak, births);
+  const std::vector<std::uint64_t> at = begin(observation, evidence, peak, split, births);
   // What was right is taken by births, except for a detection that stands alone.
   lost_.right *= wrong.alone * std::exp(log_anywhere() - peak);
-  place_runs(observation, at, begun);
+  place_runs(observation, at, split);
   double total = lost_.total();
-  for (const MovingHypothesis& born : births) total += born.weights.total();
-  for (const MovingHypothesis& hypothesis : hypotheses_) total += hypothesis.weights.total();
+  for (const auto* list : {&hypotheses_, &births, &split.parts})
+    for (const MovingHypothesis& hypothesis : *list) total += hypothesis.weights.total();
+  if (!(total > 0.0)) {
+    // An observation that is impossible by all that is stated tells nothing.
+    hypotheses_ = before.hypotheses;
+    lost_ = before.lost;
+    return peak + std::log(std::numeric_limits<double>::min());
+  }
+  births.insert(births.end(), std::make_move_iterator(split.parts.begin()),
+                std::make_move_iterator(split.parts.end()));
   return std::log(total) + peak;
 }
 
@@ -281,7 +263,8 @@ MovingObjectReport MovingObjectState::update_here(const Observation& given,
   std::vector<MovingHypothesis> births;
   MovingObjectReport report;
   report.log_evidence = take_in(observation, evidence, births);
-  report.started = !births.empty();
+  report.started = std::any_of(births.begin(), births.end(),
+                               [](const auto& born) { return born.detections == 1; });
   trace_weights(births);
   detector_.count_detection(observation.weighed, *time_s_);
   if (const MovingHypothesis* leading = leader()) {
@@ -290,8 +273,8 @@ MovingObjectReport MovingObjectState::update_here(const Observation& given,
     describe(seen, report);
     learn(*leading, seen, given, camera.frame);
   }
-  report.merges = merge();
   for (MovingHypothesis& born : births) hypotheses_.push_back(std::move(born));
+  report.merges = merge();
   normalise();
   keep_heaviest();
   const MovingHypothesis* leads = leader();

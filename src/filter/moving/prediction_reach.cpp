@@ -3,6 +3,7 @@
 #include "prediction_reach.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "filter/precision.hpp"
 #include "filter/world_shift.hpp"
@@ -14,6 +15,8 @@ namespace {
 constexpr double kLongestWay = 100.0;
 /// After so many halves nothing is left of a time.
 constexpr int kMostHalves = 60;
+/// Of the time that is left, so that the reach is nearly reached.
+constexpr int kRefinements = 6;
 
 /// About the object's own place, where errors of its rotation do not move it.
 Matrix6d covariance_there(const MotionState& state) {
@@ -60,9 +63,18 @@ MotionPrediction predicted_within(double reach, const MotionState& state,
                                   const ObjectMotion& motion, double dt, const SE3d& frame_motion) {
   if (has_arrived(reach, state)) dt = 0.0;
   MotionPrediction result = posemix::predict(state, motion, dt, frame_motion);
+  double beyond = dt;
   for (int halves = 1; !is_within(reach, state, result.state) && dt > 0.0; ++halves) {
+    beyond = dt;
     dt = halves < kMostHalves ? 0.5 * dt : 0.0;
     result = posemix::predict(state, motion, dt, frame_motion);
+  }
+  for (int k = 0; k < kRefinements && beyond > dt; ++k) {
+    const double longer = 0.5 * (dt + beyond);
+    MotionPrediction further = posemix::predict(state, motion, longer, frame_motion);
+    const bool is_in = is_within(reach, state, further.state);
+    (is_in ? dt : beyond) = longer;
+    if (is_in) result = std::move(further);
   }
   limit_rotation(result);
   return result;

@@ -106,6 +106,10 @@ struct Innovation {
   Matrix6d white;
 };
 
+/// A component of an observation under one of the noise, without its weight.
+Innovation innovation_of(const DetectionState& state, const ObservationComponent& observed,
+                         const NoiseComponent& component, const ObjectSensor& sensor);
+
 /// Covariance of one component's white error in the world frame, without the directions that a
 /// symmetry leaves unobserved, for the observation `seen`.
 Matrix6d white_covariance(const DetectionState& state, const ObservationComponent& seen,

@@ -193,24 +193,35 @@ Matrix6d slow_error_map(const DetectionState& state, const NoiseComponent& compo
 
 namespace {
 
+/// The innovation of one detection, with S.
+Innovation innovation_alone(const DetectionState& state, const ObservationComponent& observed,
+                            const NoiseComponent& component, const ObjectSensor& sensor) {
+  Innovation seen = innovation(state, observed, component, sensor);
+  seen.covariance =
+      seen.noise + (state.has_slow
+                        ? times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map)
+                        : state.difference());
+  return seen;
+}
+
+/// The detections of a run have the information of one.
+void widen_by_run(double run_length, Innovation& seen) {
+  const Matrix6d run = (run_length - 1.0) * seen.noise;
+  seen.noise += run;
+  seen.covariance += run;
+}
+
 /// The innovation of one component of an observation under one of the noise, with its evidence,
 /// eq. (3): e_c = log w_c + log N(z_c; 0, S_c).
 Evidence add_innovation(const DetectionState& state, const ObservationComponent& observed,
                         const NoiseComponent& component, const ObjectSensor& sensor,
                         const std::optional<Matrix6d>& slow, KeptVector<Innovation>& innovations) {
-  innovations.push_back(innovation(state, observed, component, sensor));
+  innovations.push_back(innovation_alone(state, observed, component, sensor));
   Innovation& seen = innovations.back();
-  seen.covariance =
-      seen.noise + (state.has_slow
-                        ? times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map)
-                        : state.difference());
   const double log_volume =
       std::log(8.0 * std::numbers::pi * std::numbers::pi * sensor.noise.clutter().volume_m3);
   const Evidence evidence = evidence_of(state, seen, component.run_length, slow, log_volume);
-  // The detections of a run have the information of one.
-  const Matrix6d run = (component.run_length - 1.0) * seen.noise;
-  seen.noise += run;
-  seen.covariance += run;
+  widen_by_run(component.run_length, seen);
   return evidence;
 }
 
@@ -245,6 +256,13 @@ void set_probabilities(double log_clutter, Explanation& seen) {
 }
 
 }  // namespace
+
+Innovation innovation_of(const DetectionState& state, const ObservationComponent& observed,
+                         const NoiseComponent& component, const ObjectSensor& sensor) {
+  Innovation seen = innovation_alone(state, observed, component, sensor);
+  widen_by_run(component.run_length, seen);
+  return seen;
+}
 
 Explanation explain(const DetectionState& state, const WeighedObservation& observation,
                     const ObjectSensor& sensor) {

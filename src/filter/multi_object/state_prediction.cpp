@@ -44,6 +44,7 @@ Eigen::Matrix3d shortening(double largest, const Eigen::Matrix3d& before,
 }  // namespace
 
 Matrix6d MultiObjectState::within_reach(const Matrix6d& covariance, const Matrix6d& before) const {
+  constexpr double kRoundings = 64.0 * std::numeric_limits<double>::epsilon();
   Matrix6d shorter = Matrix6d::Zero();
   shorter.topLeftCorner<3, 3>() = shortening(kWidestRotation_rad, before.topLeftCorner<3, 3>(),
                                              covariance.topLeftCorner<3, 3>());
@@ -51,7 +52,10 @@ Matrix6d MultiObjectState::within_reach(const Matrix6d& covariance, const Matrix
       shortening(shortest_reach(objects), before.bottomRightCorner<3, 3>(),
                  covariance.bottomRightCorner<3, 3>());
   if (shorter == Matrix6d::Identity()) return covariance;
+  // What rounding of a wide direction leaves of the others, which would be negative else.
+  const Vector6d sizes = shorter.cwiseAbs() * covariance.diagonal().cwiseSqrt();
   Matrix6d less = shorter * covariance * shorter;
+  less.diagonal() += kRoundings * sizes.cwiseAbs2();
   symmetrize(less);
   return less;
 }
