@@ -4,6 +4,7 @@
 // by many standard deviations of the detector from one detection to the next.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -200,6 +201,32 @@ TEST(MovingObjectRates, TwoPosesOfAnObservationAreTwoHypothesesAfterAGap) {
     EXPECT_LE(turned, 0.05) << gap_s;
     EXPECT_LT(said, 0.1) << gap_s;
   }
+}
+
+TEST(MovingObjectRates, FactorsOnTheNoiseAreNumbers) {
+  for (const double bad : {std::nan(""), -1.0, 1e7, std::numeric_limits<double>::infinity()}) {
+    ObjectSensor sensor{SceneNoise{}.noise()};
+    sensor.noise_scale[1] = bad;
+    EXPECT_THROW(MovingObjectFilter(sensor, {.models = {StaticMotion{}}}), InvalidInput);
+    sensor.noise_scale.setOnes();
+    sensor.slow_scale[4] = bad;
+    EXPECT_THROW(MovingObjectFilter(sensor, {.models = {StaticMotion{}}}), InvalidInput);
+  }
+}
+
+// An object that lies still, and a detector without noise: there is nothing to learn later.
+TEST(MovingObjectRates, WhatIsKnownIsSmoothed) {
+  ObjectSensor sensor{SceneNoise{}.noise()};
+  sensor.noise_scale.setZero();
+  MovingScene scene(1, sensor.noise);
+  const SE3d seen = scene.camera.inverse() * scene.truth;
+  MovingObjectSmoother smoother(sensor, {.models = {StaticMotion{}}});
+  for (int k = 0; k < 5; ++k) {
+    smoother.update(scene.observed(seen), exact_camera(scene.camera));
+    scene.time_s += kFramePeriod_s;
+  }
+  const SE3d found = smoother.smoothed().front().hypotheses.front().world.mean();
+  EXPECT_LT((found.inverse() * scene.truth).log().norm(), 1e-9);
 }
 
 // Every detection shows one of two equivalent poses, which are one place.

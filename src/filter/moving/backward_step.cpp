@@ -62,6 +62,7 @@ PlacedObject smoothed_before(const PlacedObject& before, const Matrix18d& f,
 LaterEvidence::LaterEvidence(const PlacedObject& without, const PlacedObject& with)
     : without_(without) {
   const Eigen::MatrixXd root = inverse_root(without.covariance);
+  if (root.rows() == 0) return;  // all is known, and nothing later tells more
   const Vector18d apart = with.from(without);
   Eigen::MatrixXd ratio = root * with.transported(apart.head<6>()) * root.transpose();
   symmetrize(ratio);
@@ -85,6 +86,7 @@ LaterEvidence::LaterEvidence(const PlacedObject& without, const PlacedObject& wi
 LaterEvidence::Result LaterEvidence::applied_to(const PlacedObject& source,
                                                 const PlacedObject& converted, const Matrix18d& f,
                                                 const Vector18d& gain) const {
+  if (pi_.size() == 0) return {source, 0.0};
   const Vector18d apart = converted.from(without_);
   const Eigen::VectorXd mean = to_y_ * apart;
   const Eigen::MatrixXd v = to_y_ * converted.transported(apart.head<6>()) * to_y_.transpose();

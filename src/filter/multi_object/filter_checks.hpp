@@ -52,8 +52,14 @@ inline void require_precision(const Matrix6d& prior, const ObjectSensor& sensor,
   for (const DetectorNoise& other : sensor.other_detectors) check(other);
 }
 
-/// The same of what a detector's noise itself holds: its slow error, and components.
+/// The same of what a detector's noise itself holds: its slow error, and components. Factors on it
+/// must be numbers.
 inline void require_noise_precision(const ObjectSensor& sensor) {
+  constexpr NumberRange kScale{.lowest = 0, .highest = 1e6};
+  for (Eigen::Index i = 0; i < 6; ++i) {
+    kScale.check(sensor.noise_scale[i], "a factor on the noise of a detector (noise_scale)");
+    kScale.check(sensor.slow_scale[i], "a factor on the slow error of a detector (slow_scale)");
+  }
   const auto check = [](const DetectorNoise& noise) {
     const auto& slow = noise.dependence().slow;
     for (const NoiseComponent& fine : noise.components()) {
