@@ -40,14 +40,9 @@ ModeWeights of_models(const Eigen::ArrayXd& weights) {
 
 /// Smoothed weights of what a step has before its observation, by model.
 struct BackwardFlow {
-  /// As what a hypothesis goes on after the step.
-  struct Later {
-    Eigen::ArrayXd weight;
-    const MovingHypothesis* hypothesis;
-  };
   /// By hypothesis before the step: that goes on, in parts where it was split, and that ends by a
   /// turn.
-  std::vector<std::vector<Later>> goes_on = {};
+  std::vector<std::vector<MovingObjectState::LaterPart>> goes_on = {};
   std::vector<Eigen::ArrayXd> ends = {};
   Eigen::ArrayXd lost = {};
 };
@@ -205,6 +200,23 @@ void sum_to_one(MovingBelief& belief) {
 
 }  // namespace
 
+/// Eq. (19) to (22) for what a hypothesis goes on as, by all models.
+void MovingObjectState::go_back(const MovingHypothesis& hypothesis,
+                                const Eigen::MatrixXd& transition, const LaterPart& later,
+                                const StepRecord& next, std::vector<SmoothedPart>& parts) const {
+  if (!(later.weight.sum() > kLeastWeight)) return;
+  const Eigen::ArrayXd before = hypothesis.weights.by_model();
+  const std::vector<PlacedObject> mixed = mixed_models(hypothesis, transition);
+  for (std::size_t k = 0; k < model_count(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    if (!(later.weight[column] > kLeastWeight)) continue;
+    const PlacedObject smoothed =
+        smoothed_mixture(mixed[k], k, hypothesis, next, later.hypothesis->objects[k]);
+    split_models(hypothesis, before * transition.col(column).array(), mixed[k], smoothed, k,
+                 later.weight[column], parts);
+  }
+}
+
 MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
                                             const MovingBelief& after) const {
   const auto models = static_cast<Eigen::Index>(model_count());
@@ -225,19 +237,8 @@ MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
     const Eigen::ArrayXd before = hypothesis.weights.by_model();
     const Eigen::ArrayXd changed = (transition.transpose() * before.matrix()).array();
     std::vector<SmoothedPart> parts;
-    std::vector<PlacedObject> mixed;
-    for (const BackwardFlow::Later& later : flow.goes_on[h]) {
-      if (!(later.weight.sum() > kLeastWeight)) continue;
-      if (mixed.empty()) mixed = mixed_models(hypothesis, transition);
-      for (std::size_t k = 0; k < model_count(); ++k) {
-        const auto column = static_cast<Eigen::Index>(k);
-        if (!(later.weight[column] > kLeastWeight)) continue;
-        const PlacedObject smoothed =
-            smoothed_mixture(mixed[k], k, hypothesis, next, later.hypothesis->objects[k]);
-        split_models(hypothesis, before * transition.col(column).array(), mixed[k], smoothed, k,
-                     later.weight[column], parts);
-      }
-    }
+    for (const LaterPart& later : flow.goes_on[h])
+      go_back(hypothesis, transition, later, next, parts);
     // What ends here knows nothing of what comes later.
     const Eigen::ArrayXd ends = share(flow.ends[h], changed) + gone * of_lost;
     const Eigen::ArrayXd ended = before * (transition * ends.matrix()).array();

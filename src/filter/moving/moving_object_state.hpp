@@ -123,6 +123,11 @@ class MovingObjectState {
   /// Given all that comes later, the belief at the time of this posterior from that at the time of
   /// the next record: docs/moving-objects.md, "Looking ahead".
   MovingBelief pulled_back(const StepRecord& next, const MovingBelief& after) const;
+  /// As what a hypothesis goes on after a step, with the smoothed weight by model.
+  struct LaterPart {
+    Eigen::ArrayXd weight;
+    const MovingHypothesis* hypothesis;
+  };
 
  private:
   template <class>
@@ -247,6 +252,9 @@ class MovingObjectState {
   void split_models(const MovingHypothesis& hypothesis, const Eigen::ArrayXd& sources,
                     const PlacedObject& mixed, const PlacedObject& smoothed, std::size_t k,
                     double weight, std::vector<SmoothedPart>& parts) const;
+  void go_back(const MovingHypothesis& hypothesis, const Eigen::MatrixXd& transition,
+               const LaterPart& later, const StepRecord& next,
+               std::vector<SmoothedPart>& parts) const;
   void merge_parts(const std::vector<SmoothedPart>& parts, MovingHypothesis& hypothesis) const;
   /// Factors on the gain: slow errors of a typical noise are only considered.
   Vector18d gain_factors() const;
