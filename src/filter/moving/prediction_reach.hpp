@@ -8,7 +8,7 @@
 /// the detection that ends it.
 namespace posemix::internal {
 
-/// The state after `dt` seconds, or after the part of them, by halves, in which the position's
+/// The state after `dt` seconds, or after nearly all of the part of them in which the position's
 /// standard deviation stays within the reach, and its mean within a hundred of it: farther, the
 /// model says nothing more of a detection. Standard deviations of a rotation end at 100 rad, as all
 /// rotations are within a turn.
