@@ -258,6 +258,20 @@ TEST(MultiObjectFilter, AMotionCountsBesideAnObjectHoweverUncertainTheWorldIs) {
   EXPECT_NEAR(filter.relative(0, 0).covariance()(3, 3) - before, 400.0, 40.0);
 }
 
+// A kilometre of drift, as it is told, and a tag that is known and seen to 0.1 mm.
+TEST(MultiObjectFilter, ACameraThatDriftedAKilometreFindsItself) {
+  const DetectorNoise noise({{1.0, isotropic(1.0, 1e-4)}});
+  const SE3d seen(SO3d::exp({0.2, 0.1, -0.3}), {0.1, -0.2, 0.8});
+  for (const double drift : {200.0, 1000.0, 3000.0}) {
+    MultiObjectFilter filter({SE3d(), isotropic(0.5, 1e-3)}, {{noise}}, {});
+    for (int k = 0; k < 10; ++k) filter.update(0, seen);
+    const SE3d wrong(SO3d::exp({0.02, -0.01, 0.01}), {drift, -0.5 * drift, 0.3 * drift});
+    filter.predict_with_odometry(wrong, isotropic(2.0, drift), 0.1);
+    for (int k = 0; k < 5; ++k) filter.update(0, seen);
+    EXPECT_LT((filter.camera().mean().translation()).norm(), 0.05) << drift;
+  }
+}
+
 TEST(MultiObjectFilter, FindsAnObjectWithACameraThatIsGivenWithAnyCovariance) {
   const DetectorNoise noise({{1.0, isotropic(3.0, 0.01)}});
   const SE3d seen(SO3d::exp({0.2, 0.1, -0.3}), {0.1, -0.2, 0.8});

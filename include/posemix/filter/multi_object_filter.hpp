@@ -179,7 +179,7 @@ class MultiObjectFilter {
   /// Odometry over `dt` seconds: T_C <- T_C motion. `q` is the covariance of the step's noise
   /// (right perturbation, camera frame). Less of it is taken, as in the other predictions and of a
   /// camera that is given, where the camera's position would have a standard deviation of more than
-  /// 1e6 times the smallest one of a detector's noise (10 m at least), or its rotation one of more
+  /// 1e7 times the smallest one of a detector's noise (100 m at least), or its rotation one of more
   /// than 100 rad.
   void predict_with_odometry(const SE3d& motion, const Matrix6d& q, double dt);
 
