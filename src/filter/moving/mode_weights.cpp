@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // SPDX-FileCopyrightText: posemix contributors
 #include <algorithm>
+#include <utility>
 
 #include "moving_object_state.hpp"
 
@@ -68,6 +69,26 @@ void ModeWeights::redirect(std::uint64_t from, std::uint64_t to, bool own) {
     right.col(0) += weight;
   } else {
     run_at(to) += weight;
+  }
+}
+
+void ModeWeights::divide(std::uint64_t place, std::span<const PlaceShare> shares) {
+  const auto at = [&](std::uint64_t wanted) {
+    return std::find_if(runs.begin(), runs.end(),
+                        [&](const WrongRun& run) { return run.place == wanted; });
+  };
+  if (at(place) == runs.end()) return;
+  const WrongRun whole = *at(place);
+  at(place)->weight.setZero();
+  for (const auto& [to, share] : shares) {
+    WrongRun part = whole;
+    part.place = to;
+    part.weight *= share;
+    if (const auto known = at(to); known != runs.end()) {
+      known->weight += part.weight;
+    } else {
+      runs.push_back(std::move(part));
+    }
   }
 }
 

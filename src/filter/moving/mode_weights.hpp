@@ -29,6 +29,12 @@ struct WrongRun {
 };
 inline constexpr std::uint64_t kAnyPlace = 0;
 
+/// The part of what is at one place that is at another.
+struct PlaceShare {
+  std::uint64_t place;
+  double share;
+};
+
 /// The weights p_hkm of one hypothesis h over motion models k and modes m of the detector.
 struct ModeWeights {
   Eigen::ArrayXXd right;       ///< models x right modes
@@ -52,6 +58,8 @@ struct ModeWeights {
   /// Runs at a place become such of another; `own` says that it is the place of this hypothesis,
   /// where the detector is right.
   void redirect(std::uint64_t from, std::uint64_t to, bool own);
+  /// Runs at a place are at several, of shares that sum to one.
+  void divide(std::uint64_t place, std::span<const PlaceShare> shares);
 };
 
 }  // namespace posemix::internal

@@ -74,10 +74,11 @@ void MovingObjectState::move(std::size_t index, const WeighedHypothesis& weighed
     for (const std::size_t i : groups[g].innovations) place.of_component[i / n] = at;
     if (groups[g].has_wrong) place.of_wrong = at;
   }
+  std::vector<std::uint64_t> ids{hypothesis.id};
   for (std::size_t g = 1; g < groups.size(); ++g) {
     MovingHypothesis& part =
         split.parts.emplace_back(part_of(hypothesis, groups[g], weighed, evidence));
-    part.id = next_id_++;
+    ids.push_back(part.id = next_id_++);
     mix_cases(
         cases, [&](const ObservedCase& one) { return groups[g].has(one); }, part);
     trace_split(hypothesis.id, part);
@@ -87,6 +88,49 @@ void MovingObjectState::move(std::size_t index, const WeighedHypothesis& weighed
                         [&](const CaseGroup& group) { return group.has(one); });
   };
   mix_cases(cases, of_first, hypothesis);
+  if (place.is_split) place.shares = shares_of(groups, ids, weighed, evidence);
+}
+
+/// Of what the detector shows at the place of a hypothesis in its first mode, which is what runs
+/// there show, the parts that are at the places of its groups.
+std::vector<PlaceShare> MovingObjectState::shares_of(
+    const std::vector<CaseGroup>& groups, const std::vector<std::uint64_t>& ids,
+    const WeighedHypothesis& weighed, const std::vector<ModeEvidence>& evidence) const {
+  const std::size_t n = sensor().noise.components().size();
+  std::vector<PlaceShare> shares;
+  for (const std::uint64_t id : ids) shares.push_back({id, 0.0});
+  double total = 0.0;
+  for (std::size_t k = 0; k < model_count(); ++k) {
+    const auto& innovations = evidence[k].explanation.innovations;
+    for (std::size_t i = 0; i < innovations.size(); ++i) {
+      if (modes_.mode_of(i % n) != 0) continue;
+      const double weight = weighed.total[static_cast<Eigen::Index>(k)] * innovations[i].weight;
+      const auto group = std::find_if(groups.begin() + 1, groups.end(), [&](const CaseGroup& one) {
+        return std::find(one.innovations.begin(), one.innovations.end(), i) !=
+               one.innovations.end();
+      });
+      const auto g = group == groups.end() ? 0 : static_cast<std::size_t>(group - groups.begin());
+      shares[g].share += weight;
+      total += weight;
+    }
+  }
+  if (!(total > 0.0)) return {};
+  for (PlaceShare& one : shares) one.share /= total;
+  return shares;
+}
+
+/// Runs at the place of a hypothesis that is split are at the places of its parts: what a run shows
+/// is as probable as what is right there, and tells nothing of the run.
+void MovingObjectState::divide_runs(SplitHypotheses& split) {
+  for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
+    const std::vector<PlaceShare>& shares = split.places[h].shares;
+    if (shares.empty()) continue;
+    const std::uint64_t id = hypotheses_[h].id;
+    lost_.divide(id, shares);
+    for (auto* list : {&hypotheses_, &split.parts})
+      for (MovingHypothesis& other : *list)
+        if (other.id != id) other.weights.divide(id, shares);
+  }
 }
 
 /// Notes that a hypothesis is a part of another.

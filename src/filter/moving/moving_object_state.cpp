@@ -149,6 +149,7 @@ void MovingObjectState::keep_heaviest() {
   while (!hypotheses_.empty() && (hypotheses_.size() > settings_.max_hypotheses ||
                                   !(hypotheses_.back().weights.total() > kNegligible))) {
     const std::uint64_t gone = hypotheses_.back().id;
+    lost_.add(hypotheses_.back().weights);  // its place is not known any more
     hypotheses_.pop_back();
     for (MovingHypothesis& hypothesis : hypotheses_)
       hypothesis.weights.redirect(gone, kAnyPlace, false);

@@ -192,6 +192,8 @@ class MovingObjectState {
       std::size_t of_wrong = 0;   ///< where the detector is wrong
       Eigen::ArrayXd begun = {};  ///< weight of runs that began
       bool is_split = false;
+      /// Of what the detector shows where it is right, by id; empty where it is not split.
+      std::vector<PlaceShare> shares = {};
     };
     std::vector<Place> places = {};            ///< by hypothesis
     std::vector<MovingHypothesis> parts = {};  ///< the less probable ones
@@ -211,6 +213,11 @@ class MovingObjectState {
   template <class Belongs>
   void mix_cases(const std::vector<std::vector<ObservedCase>>& cases, const Belongs& belongs,
                  MovingHypothesis& hypothesis) const;
+  std::vector<PlaceShare> shares_of(const std::vector<CaseGroup>& groups,
+                                    const std::vector<std::uint64_t>& ids,
+                                    const WeighedHypothesis& weighed,
+                                    const std::vector<ModeEvidence>& evidence) const;
+  void divide_runs(SplitHypotheses& split);
   void trace_split(std::uint64_t whole, const MovingHypothesis& part);
   MovingHypothesis birth(const ObservationComponent& seen, std::size_t mode,
                          const KnownFrame& camera) const;

@@ -182,6 +182,7 @@ double MovingObjectState::take_in(const MovingObservation& observation, Evidence
   lost_.draw_modes(observation.stay, modes_, wrong.in_run, settings_.recurring_clutter,
                    places_but(kAnyPlace));
   weigh_lost(observation, places, peak);
+  divide_runs(split);
   const std::vector<std::uint64_t> at = begin(observation, evidence, peak, split, births);
   // What was right is taken by births, except for a detection that stands alone.
   lost_.right *= wrong.alone * std::exp(log_anywhere() - peak);

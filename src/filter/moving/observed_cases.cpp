@@ -116,7 +116,7 @@ std::vector<ObservedCase> observed_cases(const PlacedObject& object, const ModeE
 
 bool fit_one_gaussian(const WeightedObject& a, const WeightedObject& b) {
   constexpr double kMostWidening = 1.5;
-  const SE3d to_place = SE3d(SO3d(), a.object->pose.translation()).inverse();
+  const SE3d to_place = a.object->pose.inverse();  // along its own axes, as the world has none
   const Vector6d apart =
       to_place.adjoint_blocks().times((b.object->pose * a.object->pose.inverse()).log());
   const auto variances = [&](const PlacedObject& object) -> Vector6d {

@@ -120,30 +120,58 @@ Matrix18d rescale_slow(PlacedObject& object, const ObjectSensor& sensor, const K
   return f;
 }
 
+namespace {
+
+/// The pose becomes T Exp(-u), with u along its own axes: how a twist in the frame changes by u.
+Matrix6d turn_of_twist(const PlacedObject& object, MotionFrame frame) {
+  if (frame == MotionFrame::object) return -SE3d::ad(object.twist);
+  // Only the origin, of which the linear part is the velocity, is another point.
+  Matrix6d by = Matrix6d::Zero();
+  by.bottomRightCorner<3, 3>() =
+      -SO3d::hat(object.twist.head<3>()) * object.pose.rotation().matrix();
+  return by;
+}
+
+/// The factor on the spin about axes of symmetry, of which nothing tells, that leaves no more than
+/// an object has of which no motion is known. `of_spin` takes the spin out of a twist.
+double bounded_spin(const PlacedObject& object, const Matrix6d& of_spin,
+                    const ConstantVelocityMotion& motion) {
+  const Matrix6d twist = object.covariance.block<6, 6>(kTwistRow, kTwistRow);
+  const Matrix6d start = motion.start_sds.cwiseAbs2().asDiagonal();
+  const auto variance = [&](const Matrix6d& of_twist) {
+    return Matrix6d(of_spin * of_twist * of_spin.transpose()).diagonal().head<3>().sum();
+  };
+  return std::min(1.0, std::sqrt(variance(start) / variance(twist)));
+}
+
+}  // namespace
+
 void fix_unobserved(PlacedObject& object, const SymmetryGroup& symmetries,
                     const ObjectMotion& motion) {
   if (symmetries.axes().empty()) return;
   const Matrix6d to_world = object.pose.adjoint();
+  const Matrix6d from_world = object.pose.inverse().adjoint();
   const Matrix6d project = symmetries.observed_projection();
+  const Matrix6d unobserved = Matrix6d::Identity() - project;
   Matrix18d f = Matrix18d::Identity();
-  f.topLeftCorner<6, 6>() = to_world * project * object.pose.inverse().adjoint();
-  const auto frame = twist_frame(motion);
-  Matrix6d along = Matrix6d::Identity();  // from the object's axes to those of the twist
-  if (frame == MotionFrame::world) {
-    const Eigen::Matrix3d r = object.pose.rotation().matrix();
-    along.topLeftCorner<3, 3>() = r;
-    along.bottomRightCorner<3, 3>() = r;
-  }
-  const Matrix6d of_twist = along * project * along.transpose();
-  if (frame) {
-    f.block<6, 6>(kTwistRow, kTwistRow) = of_twist;
-    object.twist = (of_twist * object.twist).eval();
+  f.topLeftCorner<6, 6>() = to_world * project * from_world;
+  if (const auto* velocity = std::get_if<ConstantVelocityMotion>(&motion)) {
+    f.block<6, 6>(kTwistRow, 0) = turn_of_twist(object, velocity->frame) * unobserved * from_world;
+    Matrix6d along = Matrix6d::Identity();  // from the object's axes to those of the twist
+    if (velocity->frame == MotionFrame::world) {
+      const Eigen::Matrix3d r = object.pose.rotation().matrix();
+      along.topLeftCorner<3, 3>() = r;
+      along.bottomRightCorner<3, 3>() = r;
+    }
+    const Matrix6d of_spin = along * unobserved * along.transpose();
+    const Matrix6d bounded =
+        Matrix6d::Identity() - (1.0 - bounded_spin(object, of_spin, *velocity)) * of_spin;
+    f.middleRows<6>(kTwistRow) = (bounded * f.middleRows<6>(kTwistRow)).eval();
+    object.twist = (bounded * object.twist).eval();
   }
   object.transform(f);
   const Matrix6d fixed = kFixedAngle * symmetries.unobserved_covariance();
   object.covariance.topLeftCorner<6, 6>() += to_world * fixed * to_world.transpose();
-  if (frame)
-    object.covariance.block<6, 6>(kTwistRow, kTwistRow) += along * fixed * along.transpose();
 }
 
 WorldTwist world_twist(const PlacedObject& object, const ObjectMotion& motion) {

@@ -58,7 +58,7 @@ void decay_slow(PlacedObject& object, double correlation, const Matrix6d& statio
 Matrix18d rescale_slow(PlacedObject& object, const ObjectSensor& sensor, const KnownFrame& camera,
                        const Vector6d& factor);
 
-/// The directions in which the symmetries leave pose and twist free become independent of
+/// The directions in which the symmetries leave the pose free become independent of
 /// everything, with a small variance.
 void fix_unobserved(PlacedObject& object, const SymmetryGroup& symmetries,
                     const ObjectMotion& motion);

@@ -77,7 +77,9 @@ DetectionUpdate moved_by(Explanation explanation, const DetectionState& state,
 
 DetectionUpdate observe(const DetectionState& state, const WeighedObservation& observation,
                         const ObjectSensor& sensor, const GainFactors& factors) {
-  return moved_by(explain(state, observation, sensor), state, factors);
+  Explanation explanation = explain(state, observation, sensor);
+  linearise_there(state, observation, sensor, explanation);
+  return moved_by(std::move(explanation), state, factors);
 }
 
 }  // namespace posemix::internal

@@ -38,7 +38,15 @@ struct DetectionState {
   SE3d camera_object() const { return camera.inverse() * object; }
   /// Covariance of xi_O - xi_C in the world frame.
   Matrix6d difference() const;
+  /// H P H^T with H = [-I I A].
+  Matrix6d seen_covariance(const Matrix6d& slow_map) const;
+  /// G of eq. (33).
+  Matrix6d common_part(const Matrix6d& noise) const;
 };
+
+/// G of eq. (33), by the covariances of camera and object and the noise of a detection.
+Matrix6d common_part(const Matrix6d& camera, const Matrix6d& object_camera, const Matrix6d& object,
+                     const Matrix6d& noise);
 
 /// P H^T with H = [-I I A].
 Matrix18x6d times_ht(const Matrix18d& p, const Matrix6d& slow_map);
@@ -143,6 +151,10 @@ struct Explanation {
 
 Explanation explain(const DetectionState& state, const WeighedObservation& observation,
                     const ObjectSensor& sensor);
+
+/// Eq. (34): every innovation with a weight is linearised where it takes camera and object.
+void linearise_there(const DetectionState& state, const WeighedObservation& observation,
+                     const ObjectSensor& sensor, Explanation& explanation);
 
 /// The update of one hypothesis by a detection, eq. (4).
 struct DetectionUpdate {

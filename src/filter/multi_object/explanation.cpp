@@ -126,6 +126,10 @@ Matrix6d DetectionState::difference() const {
          covariance.block<6, 6>(kObjectRow, kObjectRow) - cross - cross.transpose();
 }
 
+Matrix6d DetectionState::seen_covariance(const Matrix6d& slow_map) const {
+  return has_slow ? times_h(times_ht(covariance, slow_map), slow_map) : difference();
+}
+
 WeighedObservation weigh(const Observation& observation, const ObjectSensor& sensor, double share,
                          const ObservationSource& source) {
   const Clutter& clutter = sensor.noise.clutter();
@@ -197,10 +201,7 @@ namespace {
 Innovation innovation_alone(const DetectionState& state, const ObservationComponent& observed,
                             const NoiseComponent& component, const ObjectSensor& sensor) {
   Innovation seen = innovation(state, observed, component, sensor);
-  seen.covariance =
-      seen.noise + (state.has_slow
-                        ? times_h(times_ht(state.covariance, seen.slow_map), seen.slow_map)
-                        : state.difference());
+  seen.covariance = seen.noise + state.seen_covariance(seen.slow_map);
   return seen;
 }
 

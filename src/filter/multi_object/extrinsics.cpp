@@ -26,7 +26,9 @@ Eigen::Matrix<double, 12, Eigen::Dynamic> DetectionUpdate::extrinsics() const {
 DetectionUpdate observe(const DetectionState& state, const Eigen::MatrixXd& seen_by,
                         const Eigen::MatrixXd& covariance, const WeighedObservation& observation,
                         const ObjectSensor& sensor, const GainFactors& factors) {
-  return moved_by(explain(state, observation, sensor), seen_by, covariance, factors);
+  Explanation explanation = explain(state, observation, sensor);
+  linearise_there(state, observation, sensor, explanation);
+  return moved_by(std::move(explanation), seen_by, covariance, factors);
 }
 
 DetectionUpdate moved_by(Explanation explanation, const Eigen::MatrixXd& seen_by,

@@ -13,6 +13,7 @@
 #include "posemix/density/concentrated_gaussian.hpp"
 #include "posemix/filter/update.hpp"
 #include "posemix/lie/pose_blocks.hpp"
+#include "transport.hpp"
 
 namespace posemix::internal {
 
@@ -146,6 +147,10 @@ class JointGaussian {
   /// regression on them. Returns the mean of camera and extrinsics in the tangent space at the mean
   /// before.
   Eigen::VectorXd mix(double weight, const JointGaussian& other, const BlockPairs& shared);
+  /// The covariance in the tangent spaces at means that have moved, by a map of every block whose
+  /// coordinates change; all of them are active. `object` is the index of the one detected.
+  TransportMoments transport_all(std::size_t object,
+                                 const KeptVector<std::optional<TransportMap>>& maps);
   /// Takes the part `back` of the camera's correction back, see eq. (10).
   void shift_back(const CameraChange& change, const Matrix6d& back);
 
@@ -154,6 +159,11 @@ class JointGaussian {
   bool is_active(std::size_t index) const { return blocks_[index].at >= 0; }
   /// Number of active blocks.
   std::size_t active() const;
+  /// The largest variance of the rotation of a pose [rad^2]; of a passive one as it was when it was
+  /// active.
+  double rotation_variance(std::size_t index) const;
+  /// All blocks become active. Nothing else changes: quadratic in the objects.
+  void activate_all();
   /// The object at `index` becomes active. Nothing else changes.
   void activate(std::size_t index);
   /// Blocks are active after this where `keeps` is true, and the base is the covariance as it is
@@ -226,8 +236,6 @@ class JointGaussian {
   Eigen::VectorXd difference(const JointGaussian& other, const BlockPairs& shared) const;
   /// mix() where all blocks in `shared` are active and the carriers are the same.
   Eigen::VectorXd mix_aligned(double weight, const JointGaussian& other, const BlockPairs& shared);
-  /// All blocks become active.
-  void expand();
   /// The coordinates `s` get moments, and the others keep their regression on the first `own` of
   /// them. Returns the mean of all.
   bool are_rotations(const Eigen::VectorXd& moved, const Eigen::MatrixXd& covariance,

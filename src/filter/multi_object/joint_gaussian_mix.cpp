@@ -144,8 +144,8 @@ bool JointGaussian::are_rotations(const VectorXd& moved, const MatrixXd& covaria
 /// active.
 void JointGaussian::align(JointGaussian& other, const BlockPairs& shared) {
   if (base_ != other.base_) {
-    expand();
-    other.expand();
+    activate_all();
+    other.activate_all();
     return;
   }
   std::vector<bool> is_shared(size(), false);

@@ -197,6 +197,7 @@ struct MultiObjectState {
              const WeighedObservation& observation);
   void move_poses(TrackedObject& object, const ObservedDetection& observed, bool damped,
                   double log_evidence, Alternatives& births);
+  KeptVector<ConditionalPose*> poses_beside_joint(Alternatives& births);
   void shift_back(const TrackedObject& detected, bool damped, const CameraChange& change,
                   Alternatives& births);
   std::size_t reduce(TrackedObject& object);

@@ -118,16 +118,18 @@ DetectionUpdates ObjectBelief::observe(const JointGaussian& joint,
   updates.reserve(size());
   for (std::size_t h = 0; h < size(); ++h) {
     const DetectionState seen_from = state_from(joint, h, observation.source);
-    updates.push_back(moved_by(joint, h, seen_from, observation.source,
+    updates.push_back(moved_by(joint, h, {seen_from, observation, sensor},
                                explain(seen_from, observation, sensor), factors));
   }
   return updates;
 }
 
 DetectionUpdate ObjectBelief::moved_by(const JointGaussian& joint, std::size_t h,
-                                       const DetectionState& state, const ObservationSource& source,
-                                       Explanation explanation, const GainFactors& factors) const {
-  if (joint.extrinsics() == 0) return internal::moved_by(std::move(explanation), state, factors);
+                                       const SeenHypothesis& seen, Explanation explanation,
+                                       const GainFactors& factors) const {
+  linearise_there(seen.state, seen.observation, seen.sensor, explanation);
+  if (joint.extrinsics() == 0)
+    return internal::moved_by(std::move(explanation), seen.state, factors);
   const ConditionalPose object = pose(joint, h);
   const Eigen::Index rig = joint.rig().rows();
   Eigen::MatrixXd covariance(rig + 12, rig + 12);
@@ -135,7 +137,8 @@ DetectionUpdate ObjectBelief::moved_by(const JointGaussian& joint, std::size_t h
   covariance.bottomLeftCorner(12, rig) << object.cross_covariance, object.extrinsics;
   covariance.topRightCorner(rig, 12) = covariance.bottomLeftCorner(12, rig).transpose();
   covariance.bottomRightCorner<12, 12>() = object.covariance;
-  return internal::moved_by(std::move(explanation), joint.seen_by(source), covariance, factors);
+  return internal::moved_by(std::move(explanation), joint.seen_by(seen.observation.source),
+                            covariance, factors);
 }
 
 void ObjectBelief::multiply_weights(const DetectionUpdates& updates, double log_clutter,

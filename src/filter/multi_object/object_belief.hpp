@@ -74,6 +74,13 @@ struct MergeBounds {
   double squared_distance;  ///< squared Mahalanobis distance as seen from the camera
 };
 
+/// A hypothesis as an observation sees it.
+struct SeenHypothesis {
+  DetectionState state;
+  const WeighedObservation& observation;
+  const ObjectSensor& sensor;
+};
+
 /// What is taken out of the error of the world at once, eq. (31).
 struct WorldPart {
   Matrix6d d;
@@ -190,6 +197,10 @@ class ObjectBelief {
   /// Eq. (9) for an object that was not detected.
   void follow_camera(const CameraRegression& step);
 
+  /// Appends the poses of the hypotheses that do not lead.
+  void append_alternatives(KeptVector<ConditionalPose*>& poses) {
+    for (Alternative& alternative : alternatives_) poses.push_back(&alternative.pose);
+  }
   /// Eq. (10) for the hypotheses that do not lead, of the object that was detected or of another;
   /// `camera` has the moments of camera and extrinsics before.
   void shift_back(const CameraChange& change, const Matrix6d& back, const CameraMoments& camera,
@@ -269,10 +280,9 @@ class ObjectBelief {
   /// The leading hypothesis gets the largest weight there is: a camera that followed a heavier one,
   /// of less probability, would take the pose of the leading one anywhere.
   void catch_up();
-  /// The update of hypothesis `h`, which is `state`, by an observation with this explanation.
-  DetectionUpdate moved_by(const JointGaussian& joint, std::size_t h, const DetectionState& state,
-                           const ObservationSource& source, Explanation explanation,
-                           const GainFactors& factors) const;
+  /// The update of hypothesis `h` by an observation with this explanation.
+  DetectionUpdate moved_by(const JointGaussian& joint, std::size_t h, const SeenHypothesis& seen,
+                           Explanation explanation, const GainFactors& factors) const;
   /// The places of all hypotheses, and runs at a place that become such at another.
   std::vector<std::uint64_t> places() const;
   void redirect_runs(std::uint64_t gone, std::uint64_t place);

@@ -120,7 +120,7 @@ std::vector<PoseMoments> JointGaussian::pose_moments() const {
   return result;
 }
 
-void JointGaussian::expand() {
+void JointGaussian::activate_all() {
   covariance_ = covariance();
   carriers_.clear();
   base_.reset();

@@ -17,6 +17,12 @@ std::size_t JointGaussian::active() const {
       std::count_if(blocks_.begin(), blocks_.end(), [](const Block& b) { return b.at >= 0; }));
 }
 
+double JointGaussian::rotation_variance(std::size_t index) const {
+  const Block& block = blocks_[index];
+  const Index at = block.at < 0 ? block.row : block.at;
+  return (block.at < 0 ? *base_ : covariance_).diagonal().segment<3>(at).maxCoeff();
+}
+
 Matrix6d JointGaussian::loading(const Block& block, const Carrier& carrier) const {
   if (carrier.columns && block.row >= 0) return carrier.columns->middleRows<6>(block.row);
   if (block.slow) return Matrix6d::Zero();

@@ -12,12 +12,14 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
                                   bool damped, double log_evidence, Alternatives& births) {
   const DetectionUpdates& updates = observed.updates;
   ObjectBelief& belief = object.belief;
+  const Explanation& leading = updates[*belief.leading()].explanation;
   const CameraMoments before = joint.camera_moments();
+  Transport transport(joint, *belief.pose_index(), leading.inlier().white, leading.inlier().noise,
+                      poses_beside_joint(births));
   const CameraAlternative alternative =
       belief.camera_alternative(updates, births, log_evidence, before);
-  const CameraChange change =
-      joint.update(*belief.pose_index(), updates[*belief.leading()].explanation, alternative,
-                   observed.factors, observed.observation.source);
+  const CameraChange change = joint.update(*belief.pose_index(), leading, alternative,
+                                           observed.factors, observed.observation.source);
   CameraMoments after = joint.camera_moments();
   after.mean = change.mean;
   after.rig.mean = change.rig_mean;
@@ -27,7 +29,17 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
     if (&other != &object) other.belief.follow_camera(step);
   }
   for (Alternative& birth : births) step.carry(birth.pose);
+  transport.follow();
   shift_back(object, damped, change, births);
+  transport.apply();
+}
+
+/// Those of the hypotheses that do not lead, and of births.
+KeptVector<ConditionalPose*> MultiObjectState::poses_beside_joint(Alternatives& births) {
+  KeptVector<ConditionalPose*> poses;
+  for (TrackedObject& object : objects) object.belief.append_alternatives(poses);
+  for (Alternative& birth : births) poses.push_back(&birth.pose);
+  return poses;
 }
 
 /// Eq. (10): a shift of the world takes a part of the camera's correction back, so that all poses

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include <Eigen/LU>
+
+#include "detection_update.hpp"
+#include "transport.hpp"
+
+/// Detections are linearised where they take camera and object: eq. (33) and (34) of
+/// docs/many-objects.md.
+namespace posemix::internal {
+namespace {
+
+/// Of K, where turns are so large that the coordinates nearly fold.
+constexpr double kLeastDeterminant = 0.05;
+
+/// Squared standard deviations of the white error that the map of the slow error may change by.
+constexpr double kSmallChange = 0.1;
+
+/// Where a detection takes the camera and the object, in the tangent spaces before it.
+struct Corrections {
+  Vector6d camera;
+  Vector6d object;
+};
+
+Corrections corrections(const DetectionState& state, const Innovation& seen) {
+  const Vector6d pull = Cholesky6(seen.covariance).solved(seen.residual);
+  const Vector18d by = times_ht(state.covariance, seen.slow_map) * pull;
+  return {by.segment<6>(kCameraRow), by.segment<6>(kObjectRow)};
+}
+
+/// What detections of an object did not tell of its slow error they do not tell by another
+/// linearisation either: A becomes another one only where it has to.
+void take_slow_map(const DetectionState& state, const Matrix6d& slow_map, Innovation& seen) {
+  const Matrix6d change = slow_map - seen.slow_map;
+  const Matrix6d spread =
+      change * state.covariance.block<6, 6>(kSlowRow, kSlowRow) * change.transpose();
+  if (Cholesky6(seen.noise).solved_rows(spread).trace() > kSmallChange) seen.slow_map = slow_map;
+}
+
+void linearise_there(const DetectionState& state, const ObservationComponent& observed,
+                     const NoiseComponent& component, const ObjectSensor& sensor,
+                     Innovation& seen) {
+  if (!is_far_less_certain(state.difference(), seen.noise, state.object.translation())) return;
+  const auto [camera, object] = corrections(state, seen);
+  DetectionState there = state;
+  there.camera = SE3d::exp(camera) * state.camera;
+  there.object = SE3d::exp(object) * state.object;
+  const LinearRange range(seen.white);
+  const double rotation = seen.white.diagonal().head<3>().maxCoeff();
+  if (range.has(state.camera, there.camera, rotation) &&
+      range.has(state.object, there.object, rotation))
+    return;
+  const Matrix6d of_camera = SE3d::left_jacobian(camera);
+  const Matrix6d k =
+      of_camera + (SE3d::left_jacobian(object) - of_camera) * state.common_part(seen.noise);
+  const Eigen::PartialPivLU<Matrix6d> factor(k);
+  if (!(factor.determinant() > kLeastDeterminant)) return;
+  const Matrix6d back = factor.inverse();
+  const Innovation again = innovation_of(there, observed, component, sensor);
+  seen.noise = back * again.noise * back.transpose();
+  symmetrize(seen.noise);
+  seen.residual = back * (again.residual + again.slow_map * state.slow) + object - camera;
+  if (state.has_slow) take_slow_map(state, back * again.slow_map, seen);
+  seen.residual -= seen.slow_map * state.slow;
+  seen.axes = again.axes;
+  seen.white = again.white;
+  seen.covariance = seen.noise + state.seen_covariance(seen.slow_map);
+}
+
+}  // namespace
+
+Matrix6d common_part(const Matrix6d& camera, const Matrix6d& object_camera, const Matrix6d& object,
+                     const Matrix6d& noise) {
+  constexpr double kRegular = 1e-3;
+  const Matrix6d apart = object - object_camera;
+  const Matrix6d difference = camera - object_camera.transpose() + apart;
+  return Cholesky6(difference + kRegular * noise).solved_rows(apart);
+}
+
+Matrix6d DetectionState::common_part(const Matrix6d& noise) const {
+  return internal::common_part(covariance.block<6, 6>(kCameraRow, kCameraRow),
+                               covariance.block<6, 6>(kObjectRow, kCameraRow),
+                               covariance.block<6, 6>(kObjectRow, kObjectRow), noise);
+}
+
+void linearise_there(const DetectionState& state, const WeighedObservation& observation,
+                     const ObjectSensor& sensor, Explanation& explanation) {
+  if (!std::isfinite(explanation.log_evidence)) return;
+  const auto& noise = sensor.noise.components();
+  for (std::size_t i = 0; i < explanation.innovations.size(); ++i) {
+    Innovation& seen = explanation.innovations[i];
+    if (!(seen.weight > 0.0)) continue;
+    linearise_there(state, observation.components[i / noise.size()], noise[i % noise.size()],
+                    sensor, seen);
+  }
+}
+
+}  // namespace posemix::internal
