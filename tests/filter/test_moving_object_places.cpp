@@ -92,6 +92,29 @@ INSTANTIATE_TEST_SUITE_P(
                       ConstantVelocityMotion{.acceleration_sds = sds(0.1, 0.3),
                                              .frame = MotionFrame::world}));
 
+/// A report is of the hypothesis that leads, and of one that was just begun nothing was expected.
+TEST(MovingObjectPlaces, ThatJustBeganAreNotDescribed) {
+  const DetectorNoise noise = SceneNoise{}.noise();
+  const ConstantVelocityMotion motion;
+  int begun = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    MovingScene scene(seed, noise);
+    MovingObjectFilter filter({noise}, {.models = {motion}});
+    for (int k = 0; k < 40; ++k) {
+      for (int part = 0; part < 20; ++part) scene.advance(motion, 0.05);
+      follow(scene);
+      const MovingObjectReport report =
+          filter.update(scene.observed(scene.detect()), exact_camera(scene.camera));
+      const MovingObjectHypothesis leads = filter.estimate().hypotheses.front();
+      EXPECT_EQ(report.nis.has_value(), leads.detections > 1);
+      if (leads.detections > 1) continue;
+      EXPECT_EQ(report.right_probability, 0.0);
+      begun += k > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(begun, 0);
+}
+
 /// Of two places one is kept, and the probability of the other is not its own.
 TEST(MovingObjectPlaces, ThatAreDroppedAreNotKnown) {
   const DetectorNoise noise = SceneNoise{}.noise();

@@ -105,7 +105,8 @@ struct MovingObjectReport {
   std::size_t merges = 0;       ///< number of merges of hypotheses
   double log_evidence = 0.0;    ///< log density of the observation given all before [nats]
   /// Probability, under the leading hypothesis, that the detector saw the object: not clutter,
-  /// alone or in a run.
+  /// alone or in a run. This and what follows is of a hypothesis that the observation split as it
+  /// was as a whole, and nothing of one just begun.
   double right_probability = 0.0;
   /// Probability of the noise's first component under the leading hypothesis.
   double inlier_probability = 0.0;

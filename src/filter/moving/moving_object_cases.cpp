@@ -98,6 +98,7 @@ std::vector<PlaceShare> MovingObjectState::shares_of(
     const WeighedHypothesis& weighed, const std::vector<ModeEvidence>& evidence) const {
   const std::size_t n = sensor().noise.components().size();
   std::vector<PlaceShare> shares;
+  shares.reserve(ids.size());
   for (const std::uint64_t id : ids) shares.push_back({id, 0.0});
   double total = 0.0;
   for (std::size_t k = 0; k < model_count(); ++k) {

@@ -268,8 +268,15 @@ class MovingObjectState {
   double normalise();
   std::size_t merge();
   void keep_heaviest();
-  void learn(const MovingHypothesis& leader, ModeEvidence& evidence, const Observation& observation,
-             const KnownFrame& camera);
+  void learn(const MovingHypothesis& leader, const ModeEvidence& evidence,
+             const Observation& observation, const KnownFrame& camera);
+  /// A hypothesis that was there before an observation, and what it expected.
+  struct SeenPlace {
+    std::uint64_t id;
+    const ModeEvidence* evidence;
+  };
+  using SeenPlaces = std::vector<SeenPlace>;
+  SeenPlaces seen_places(const Evidence& evidence) const;
   Matrix6d reported_covariance(const PlacedObject& object, std::size_t model,
                                const Matrix6d& added) const;
   PlacedObject reported(const PlacedObject& object, std::size_t model, const Matrix6d& added) const;

@@ -114,7 +114,7 @@ MovingObjectState::WeighedHypothesis MovingObjectState::weigh_modes(
 
 /// The scale of the noise is learned from the innovation of the leading hypothesis, and slow errors
 /// keep what a detection sees of them.
-void MovingObjectState::learn(const MovingHypothesis& leader, ModeEvidence& evidence,
+void MovingObjectState::learn(const MovingHypothesis& leader, const ModeEvidence& evidence,
                               const Observation& observation, const KnownFrame& camera) {
   if (leader.detections < 2) return;
   const bool given =
@@ -122,7 +122,7 @@ void MovingObjectState::learn(const MovingHypothesis& leader, ModeEvidence& evid
                   [](const auto& component) { return component.covariance.has_value(); });
   const MultiObjectSettings settings{.noise_scale_detections = settings_.noise_scale_detections,
                                      .least_noise_scale = settings_.least_noise_scale};
-  const DetectionUpdate update{std::move(evidence.explanation), {}};
+  const DetectionUpdate update{evidence.explanation, {}};
   const Vector6d factor = detector_.learn(update, given, settings);
   if (!sensor().noise.dependence().slow || factor.isOnes(1e-12)) return;
   if (trace_) trace_->slow_factor = factor;
@@ -268,19 +268,33 @@ MovingObjectReport MovingObjectState::update_here(const Observation& given,
                                [](const auto& born) { return born.detections == 1; });
   trace_weights(births);
   detector_.count_detection(observation.weighed, *time_s_);
-  if (const MovingHypothesis* leading = leader()) {
-    const auto index = static_cast<std::size_t>(leading - hypotheses_.data());
-    ModeEvidence& seen = evidence[index][leading->best_model()];
-    describe(seen, report);
-    learn(*leading, seen, given, camera.frame);
-  }
+  const SeenPlaces seen = seen_places(evidence);
+  if (const MovingHypothesis* leading = leader())
+    learn(*leading, *seen.front().evidence, given, camera.frame);
   for (MovingHypothesis& born : births) hypotheses_.push_back(std::move(born));
   report.merges = merge();
   normalise();
   keep_heaviest();
   const MovingHypothesis* leads = leader();
   report.changed_leader = leads && leads->id != led_id;
+  // One that was just begun was not expected; one that was split is described as a whole.
+  if (leads && leads->detections > 1 && !seen.empty()) {
+    const auto own = std::find_if(seen.begin(), seen.end(),
+                                  [&](const SeenPlace& one) { return one.id == leads->id; });
+    describe(*(own == seen.end() ? seen.front() : *own).evidence, report);
+  }
   return report;
+}
+
+/// What the most probable model of every hypothesis expected, that of the leading one first.
+MovingObjectState::SeenPlaces MovingObjectState::seen_places(const Evidence& evidence) const {
+  SeenPlaces result;
+  result.reserve(evidence.size());
+  for (std::size_t h = 0; h < evidence.size(); ++h)
+    result.push_back({hypotheses_[h].id, &evidence[h][hypotheses_[h].best_model()]});
+  if (const MovingHypothesis* leading = leader())
+    std::swap(result.front(), result[static_cast<std::size_t>(leading - hypotheses_.data())]);
+  return result;
 }
 
 }  // namespace posemix::internal

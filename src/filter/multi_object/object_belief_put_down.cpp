@@ -211,9 +211,8 @@ PutDownEvidence ObjectBelief::observe_put_down(const JointGaussian& joint,
     result.shown.push_back(drawn(standing(h).shown[shown.detector], all[h]));
     result.begun.push_back(
         weigh(result.shown.back(), seen[h], densities, wrong.alone, shown.modes));
-    updates.push_back(moved_by(joint, h,
-                               {state_from(joint, h, observation.source), observation, sensor},
-                               std::move(seen[h].explanation), factors));
+    const SeenHypothesis own{state_from(joint, h, observation.source), observation, sensor};
+    updates.push_back(moved_by(joint, h, own, std::move(seen[h].explanation), factors));
   }
   result.lost = drawn(lost_shown_[shown.detector], kAnyPlace);
   result.lost_right = result.lost.right.row(0);
