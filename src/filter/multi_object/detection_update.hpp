@@ -186,6 +186,9 @@ using DetectionUpdates = KeptVector<DetectionUpdate>;
 struct GainFactors {
   double camera = 1.0;
   double slow = 1.0;
+  /// False where a part of the correction may be left out, or taken back by eq. (10): the poses do
+  /// not go where the detection takes them, and it is not linearised there.
+  bool are_whole = true;
 };
 
 /// Updates a state by an observation with this explanation.

@@ -37,34 +37,58 @@ void take_slow_map(const DetectionState& state, const Matrix6d& slow_map, Innova
   if (Cholesky6(seen.noise).solved_rows(spread).trace() > kSmallChange) seen.slow_map = slow_map;
 }
 
-void linearise_there(const DetectionState& state, const ObservationComponent& observed,
-                     const NoiseComponent& component, const ObjectSensor& sensor,
-                     Innovation& seen) {
-  if (!is_far_less_certain(state.difference(), seen.noise, state.object.translation())) return;
-  const auto [camera, object] = corrections(state, seen);
+/// Where a correction takes camera and object.
+DetectionState moved(const DetectionState& state, const Corrections& by) {
   DetectionState there = state;
-  there.camera = SE3d::exp(camera) * state.camera;
-  there.object = SE3d::exp(object) * state.object;
-  const LinearRange range(seen.white);
-  const double rotation = seen.white.diagonal().head<3>().maxCoeff();
-  if (range.has(state.camera, there.camera, rotation) &&
-      range.has(state.object, there.object, rotation))
-    return;
-  const Matrix6d of_camera = SE3d::left_jacobian(camera);
-  const Matrix6d k =
-      of_camera + (SE3d::left_jacobian(object) - of_camera) * state.common_part(seen.noise);
+  there.camera = SE3d::exp(by.camera) * state.camera;
+  there.object = SE3d::exp(by.object) * state.object;
+  return there;
+}
+
+/// A component of a detection, its noise, and G of eq. (33).
+struct Seen {
+  const ObservationComponent& observed;
+  const NoiseComponent& component;
+  const ObjectSensor& sensor;
+  Matrix6d common_part;
+};
+
+/// Eq. (34) at `by`; false where turns are too large for it.
+bool linearise_at(const DetectionState& state, const Corrections& by, const Seen& given,
+                  Innovation& seen) {
+  const Matrix6d of_camera = SE3d::left_jacobian(by.camera);
+  const Matrix6d k = of_camera + (SE3d::left_jacobian(by.object) - of_camera) * given.common_part;
   const Eigen::PartialPivLU<Matrix6d> factor(k);
-  if (!(factor.determinant() > kLeastDeterminant)) return;
+  if (!(factor.determinant() > kLeastDeterminant)) return false;
   const Matrix6d back = factor.inverse();
-  const Innovation again = innovation_of(there, observed, component, sensor);
+  const Innovation again =
+      innovation_of(moved(state, by), given.observed, given.component, given.sensor);
   seen.noise = back * again.noise * back.transpose();
   symmetrize(seen.noise);
-  seen.residual = back * (again.residual + again.slow_map * state.slow) + object - camera;
+  seen.residual = back * (again.residual + again.slow_map * state.slow) + by.object - by.camera;
   if (state.has_slow) take_slow_map(state, back * again.slow_map, seen);
   seen.residual -= seen.slow_map * state.slow;
   seen.axes = again.axes;
   seen.white = again.white;
   seen.covariance = seen.noise + state.seen_covariance(seen.slow_map);
+  return true;
+}
+
+void linearise_there(const DetectionState& state, const ObservationComponent& observed,
+                     const NoiseComponent& component, const ObjectSensor& sensor,
+                     Innovation& seen) {
+  constexpr int kSteps = 4;
+  if (!is_far_less_certain(state.difference(), seen.noise, state.object.translation())) return;
+  const LinearRange range(seen.white);
+  const double rotation = seen.white.diagonal().head<3>().maxCoeff();
+  const Seen given{observed, component, sensor, state.common_part(seen.noise)};
+  Corrections by = corrections(state, seen);
+  const DetectionState there = moved(state, by);
+  if (range.has(state.camera, there.camera, rotation) &&
+      range.has(state.object, there.object, rotation))
+    return;
+  for (int step = 0; step < kSteps && linearise_at(state, by, given, seen); ++step)
+    by = corrections(state, seen);
 }
 
 }  // namespace

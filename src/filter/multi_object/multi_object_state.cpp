@@ -141,10 +141,14 @@ GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
   const ObjectSensor& sensor = object.detectors[observation.source.detector].sensor();
   // A considered camera is one for every detection.
   if (settings.has_odometry && settings.camera_gain == 0.0)
-    return {.camera = 0.0, .slow = is_damped(sensor) ? settings.slow_error_gain : 1.0};
+    return {.camera = 0.0,
+            .slow = is_damped(sensor) ? settings.slow_error_gain : 1.0,
+            .are_whole = false};
   if (!is_damped(sensor)) return {};
   const auto leading = object.belief.leading();
-  if (!leading) return {.camera = settings.camera_gain, .slow = settings.slow_error_gain};
+  if (!leading) {
+    return {.camera = settings.camera_gain, .slow = settings.slow_error_gain, .are_whole = false};
+  }
   // Where the predicted pose is less certain than the detection, damping would only keep it wrong:
   // the gain is full by the square of the predicted pose's part of the innovation's variance.
   const DetectionState state = object.belief.state_from(joint, *leading, observation.source);
@@ -159,7 +163,8 @@ GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
   const double unknown = Cholesky6(innovation).solved_rows(predicted).trace() / 6.0;
   const double full = std::pow(std::clamp(unknown, 0.0, 1.0), 2);
   return {.camera = settings.camera_gain + (1.0 - settings.camera_gain) * full,
-          .slow = settings.slow_error_gain};
+          .slow = settings.slow_error_gain,
+          .are_whole = false};
 }
 
 void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_before) {

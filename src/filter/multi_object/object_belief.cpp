@@ -127,7 +127,7 @@ DetectionUpdates ObjectBelief::observe(const JointGaussian& joint,
 DetectionUpdate ObjectBelief::moved_by(const JointGaussian& joint, std::size_t h,
                                        const SeenHypothesis& seen, Explanation explanation,
                                        const GainFactors& factors) const {
-  linearise_there(seen.state, seen.observation, seen.sensor, explanation);
+  if (factors.are_whole) linearise_there(seen.state, seen.observation, seen.sensor, explanation);
   if (joint.extrinsics() == 0)
     return internal::moved_by(std::move(explanation), seen.state, factors);
   const ConditionalPose object = pose(joint, h);

@@ -30,6 +30,21 @@ bool is_world_uncertain(const MultiObjectState& state) {
   });
 }
 
+/// Whether an active object is known so much worse than a detection of it tells that passive blocks
+/// would lose its detections: they follow the active ones by products of four such standard
+/// deviations, of which what a detection tells is to be left.
+bool is_place_uncertain(const MultiObjectState& state, const TrackedObject& object) {
+  constexpr double kMostRatio = 300.0;
+  const auto index = object.belief.pose_index();
+  if (!index || !state.joint.is_active(*index)) return false;
+  const SE3d& pose = state.joint.pose(*index);
+  const NoiseAtPose noise = noise_at(object.sensor().noise.components().front(),
+                                     state.joint.pose(kCamera).inverse() * pose);
+  const Matrix6d at_place = WorldShift(-pose.translation())(state.joint.covariance(*index, *index));
+  return at_place.diagonal().tail<3>().maxCoeff() >
+         kMostRatio * kMostRatio * noise.covariance.diagonal().tail<3>().minCoeff();
+}
+
 /// Whether the same hypothesis of an object leads, or none, in both.
 bool led_alike(const ObjectBelief& a, const ObjectBelief& b) {
   if (!a.leading() || !b.leading()) return a.leading().has_value() == b.leading().has_value();
@@ -56,16 +71,23 @@ std::vector<bool> GlobalHypotheses::objects_kept(std::size_t j) const {
   });
   std::vector<bool> kept(order.size(), false);
   std::size_t blocks = 0;
+  std::size_t dropped = 0;
   for (const std::size_t i : order) {
     const auto index = first.objects[i].belief.pose_index();
     const bool is_led_alike = std::all_of(list_.begin(), list_.end(), [&](const Weighted& one) {
       return led_alike(first.objects[i].belief, one.state.objects[i].belief);
     });
     const std::size_t own = index ? first.joint.blocks_of(*index) : 0;
-    kept[i] = !is_led_alike || i == j || (blocks + own <= limits.kept && own > 0);
-    if (kept[i]) blocks += own;
+    kept[i] = !is_led_alike || i == j || (blocks + own <= limits.kept && own > 0) ||
+              is_place_uncertain(first, first.objects[i]);
+    if (kept[i]) {
+      blocks += own;
+    } else if (index && first.joint.is_active(*index)) {
+      dropped += own;
+    }
   }
-  return kept;
+  // A base for few is not worth it, and would be made anew with every detection.
+  return dropped < limits.kept ? std::vector<bool>() : kept;
 }
 
 void GlobalHypotheses::rebase(const std::vector<bool>& kept) {

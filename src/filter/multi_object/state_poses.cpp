@@ -15,7 +15,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   const Explanation& leading = updates[*belief.leading()].explanation;
   const CameraMoments before = joint.camera_moments();
   Transport transport(joint, *belief.pose_index(), leading.inlier().white, leading.inlier().noise,
-                      poses_beside_joint(births));
+                      poses_beside_joint(births), observed.factors.are_whole);
   const CameraAlternative alternative =
       belief.camera_alternative(updates, births, log_evidence, before);
   const CameraChange change = joint.update(*belief.pose_index(), leading, alternative,

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
+
 #include "camera_regression.hpp"
 #include "joint_gaussian.hpp"
 
@@ -28,10 +30,14 @@ bool is_far_less_certain(const Matrix6d& difference, const Matrix6d& noise,
                          const Eigen::Vector3d& place) {
   constexpr double kFar = 25.0;
   const SE3d to_place(SO3d(), -place);
-  const auto position = [&](const Matrix6d& covariance) {
-    return to_place.adjoint_congruence(covariance).diagonal().tail<3>().maxCoeff();
+  const auto position = [&](const Matrix6d& covariance) -> Eigen::Matrix3d {
+    return to_place.adjoint_congruence(covariance).bottomRightCorner<3, 3>();
   };
-  return position(difference) > kFar * position(noise);
+  const Eigen::LLT<Eigen::Matrix3d> of_noise(position(noise));
+  if (of_noise.info() != Eigen::Success) return false;
+  const Eigen::Matrix3d half = of_noise.matrixL().solve(position(difference));
+  const Eigen::Matrix3d ratio = of_noise.matrixL().solve(half.transpose());
+  return ratio.selfadjointView<Eigen::Lower>().eigenvalues().maxCoeff() > kFar;
 }
 
 LinearRange::LinearRange(const Matrix6d& white)
@@ -140,12 +146,12 @@ void transport_pose(ConditionalPose& pose, const TransportMap& map,
 }
 
 Transport::Transport(JointGaussian& joint, std::size_t object, const Matrix6d& white,
-                     const Matrix6d& noise, KeptVector<ConditionalPose*> others)
+                     const Matrix6d& noise, KeptVector<ConditionalPose*> others, bool is_whole)
     : joint_(joint), object_(object), range_(white), others_(std::move(others)) {
   const Matrix6d cross = joint.covariance(object, kCamera);
   const Matrix6d difference = joint.covariance(kCamera, kCamera) - cross - cross.transpose() +
                               joint.covariance(object, object);
-  is_needed_ = is_far_less_certain(difference, noise, joint.pose(object).translation());
+  is_needed_ = is_whole && is_far_less_certain(difference, noise, joint.pose(object).translation());
   if (!is_needed_) return;
   camera_part_ = common_part(joint.covariance(kCamera, kCamera), cross,
                              joint.covariance(object, object), noise);

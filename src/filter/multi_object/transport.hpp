@@ -13,10 +13,10 @@ namespace posemix::internal {
 
 class JointGaussian;
 
-/// Whether a prediction knows where an object is, relative to the camera that sees it, by far worse
-/// than a detection does: a linearisation where the detection takes the poses is the better one.
-/// `difference` is the covariance of xi_O - xi_C, `noise` that of the detection, `place` that of
-/// the object.
+/// Whether a prediction knows in some direction where an object is, relative to the camera that
+/// sees it, by far worse than a detection does: a linearisation where the detection takes the poses
+/// is the better one. `difference` is the covariance of xi_O - xi_C, `noise` that of the detection,
+/// `place` that of the object.
 bool is_far_less_certain(const Matrix6d& difference, const Matrix6d& noise,
                          const Eigen::Vector3d& place);
 
@@ -100,9 +100,9 @@ void transport_pose(ConditionalPose& pose, const TransportMap& map,
 class Transport {
  public:
   /// `object` is the index of the one that is detected; `white` and `noise` are those of its most
-  /// probable innovation.
+  /// probable innovation. Nothing is transported where the correction is not taken whole.
   Transport(JointGaussian& joint, std::size_t object, const Matrix6d& white, const Matrix6d& noise,
-            KeptVector<ConditionalPose*> others);
+            KeptVector<ConditionalPose*> others, bool is_whole);
 
   /// The poses have moved: those that moved with camera or object beyond the linear range move on.
   void follow();
