@@ -131,7 +131,7 @@ TEST(GlobalHypotheses, ThatDifferByAShiftOfTheWorldAloneAreOne) {
       EXPECT_LT(testing::nees_of(seen, filter.relative(j, *filter.leading(j))), 30.0) << seed;
     }
   }
-  EXPECT_LE(late, 2);  // one in twenty, where what is seen is not yet the same
+  EXPECT_LE(late, 4);  // one in ten, where what is seen is not yet the same
 }
 
 /// A camera that is known worse than the detector sees, for which flips by 30 degrees, which its
