@@ -6,20 +6,17 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "filter/multi_object/detection_update.hpp"
-#include "filter/multi_object/transport.hpp"
 #include "moving_object_scene.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
 namespace posemix {
 namespace {
 
-using internal::PairTransport;
-using internal::TransportMap;
 using testing::draw;
 using testing::isotropic;
 using testing::nees_of;
@@ -49,11 +46,16 @@ class TagTrip {
                     isotropic(0.01, 1e-3)),
                 std::vector<ObjectSensor>(tags_.size(), ObjectSensor{noise_}), {}) {}
 
+  /// From now on a camera on the body sees, whose pose there is known with this covariance.
+  void see_from(const SE3d& body_camera, const Matrix6d& covariance) {
+    mount_ = SE3d::exp(draw(covariance, stream_)) * body_camera;
+    source_.camera = filter_.add_camera({body_camera, covariance});
+  }
   void see(std::size_t tag) {
-    const SE3d seen = camera_.inverse() * tags_[tag];
+    const SE3d seen = (camera_ * mount_).inverse() * tags_[tag];
     const NoiseAtPose at = noise_at(noise_.components().front(), seen);
-    filter_.update(tag,
-                   at.axes * SE3d::exp(draw(at.covariance, stream_)) * at.axes.inverse() * seen);
+    const SE3d error = at.axes * SE3d::exp(draw(at.covariance, stream_)) * at.axes.inverse();
+    filter_.update(tag, observation_of(error * seen), source_);
   }
   void go(const SE3d& motion, double rotation_sd_deg, double position_sd_m) {
     const Matrix6d q = isotropic(rotation_sd_deg, position_sd_m);
@@ -83,6 +85,8 @@ class TagTrip {
 
  private:
   SE3d camera_ = pose(0.1, 0.2, 0.3, 0, 0, 0);
+  SE3d mount_;
+  ObservationSource source_;
   std::vector<SE3d> tags_;
   RandomStream stream_;
   DetectorNoise noise_;
@@ -107,13 +111,15 @@ constexpr std::uint64_t kSeeds = 20;
 /// A tag, the drift, a new tag, and both in turn: NEES of the camera, of the new tag in the world
 /// and from the camera, and of all together.
 std::array<NeesSummary, 4> of_drift(double rotation_deg, double position_m,
-                                    const DetectorNoise& noise) {
+                                    const DetectorNoise& noise,
+                                    const std::optional<Matrix6d>& extrinsic = {}) {
   const SE3d camera = pose(0.1, 0.2, 0.3, 0, 0, 0);
   std::array<NeesSummary, 4> result;
   for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
     TagTrip trip(
         seed, noise,
         {camera * pose(0.3, -0.2, 0.5, 0.1, 0, 1), camera * pose(-0.2, 0.3, 0.1, -0.3, 0.1, 1.2)});
+    if (extrinsic) trip.see_from(pose(0.1, -0.1, 0.05, 0.2, 0.1, 0), *extrinsic);
     for (int k = 0; k < 10; ++k) {
       trip.go(SE3d(), 1e-3, 1e-5);
       trip.see(0);
@@ -174,6 +180,19 @@ INSTANTIATE_TEST_SUITE_P(Far, DriftedCamera,
 INSTANTIATE_TEST_SUITE_P(AcrossTheRay, DriftedCamera,
                          ::testing::Values(CameraDrift{0.01, 0.1, {1e-3, 1e-3, 0.05}, 100.0},
                                            CameraDrift{0.01, 0.05, {1e-3, 1e-3, 0.03}, 1e3}));
+
+/// The body's pose is uncertain by that of the camera on it, over the drift.
+TEST(DriftedCamera, OnARigOfUncertainExtrinsics) {
+  for (const double position_m : {0.05, 1.0, 5.0}) {
+    const auto all =
+        of_drift(0.1, position_m, sharp_tag_noise(1e-3), Matrix6d(isotropic(2.0, 0.02)));
+    for (const NeesSummary& nees : all) {
+      EXPECT_GT(nees.mean(), 0.6) << position_m;
+      EXPECT_LT(nees.mean(), 1.5) << position_m;
+      EXPECT_LT(nees.worst, 6.0) << position_m;
+    }
+  }
+}
 
 /// A part of each correction is taken back by a shift of the world (eq. 10).
 TEST(DriftedCamera, WithATypicalDetectorKnowsWhatItSawSince) {
@@ -266,102 +285,30 @@ TEST(DriftedCamera, MapsManyPlacesAfterADrift) {
   EXPECT_LT(relative.worst, 10.0);
 }
 
-/// d/dx of `moved` at zero, by central differences.
-template <class Moved>
-Matrix6d derivative_of_move(const Moved& moved) {
-  constexpr double kStep = 1e-6;
-  Matrix6d result;
-  for (Eigen::Index k = 0; k < 6; ++k) {
-    const Vector6d by = kStep * Vector6d::Unit(k);
-    result.col(k) = ((moved(by) * moved(Vector6d(-by)).inverse()).log()) / (2.0 * kStep);
+// A camera comes back to a tag, which it has seen to 0.1 mm, after a kilometre of drift, as is
+// told.
+TEST(DriftedCamera, FindsItselfAfterAKilometre) {
+  const Matrix6d sharp = isotropic(1.0, 1e-4);
+  const DetectorNoise noise({{0.95, sharp}}, {.weight = 0.05, .volume_m3 = 1.0});
+  const Matrix6d still = isotropic(1e-4, 1e-4);
+  const Matrix6d drift = isotropic(0.05, 1000.0);
+  const SE3d camera = pose(0.1, 0.2, 0.3, 0.0, 0.0, 0.0);
+  const SE3d seen = pose(0.3, -0.2, 0.5, 0.1, 0.0, 1.0);
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    RandomStream stream(seed, 5);
+    MultiObjectFilter filter({camera, isotropic(1e-3, 1e-3)}, {{noise}}, {});
+    const auto see = [&] { filter.update(0, seen * SE3d::exp(draw(sharp, stream))); };
+    for (int k = 0; k < 10; ++k) {
+      filter.predict_with_odometry(SE3d(), still, 0.1);
+      see();
+    }
+    filter.predict_with_odometry(SE3d::exp(draw(drift, stream)).inverse(), drift, 1.0);
+    for (int k = 0; k < 5; ++k) {
+      see();
+      filter.predict_with_odometry(SE3d(), still, 0.1);
+    }
+    EXPECT_LT((filter.camera().mean().translation() - camera.translation()).norm(), 0.1) << seed;
   }
-  return result;
-}
-
-Vector6d some_tangent(double rotation, double position) {
-  return (Vector6d() << rotation, -0.5 * rotation, 0.3 * rotation, position, 0.4 * position,
-          -0.7 * position)
-      .finished();
-}
-
-TEST(Transport, IsTheDerivativeOfTheMoveOfAPairOfWhichOneStays) {
-  const SE3d camera = pose(0.3, -0.2, 0.9, 1.0, 2.0, -0.5);
-  const SE3d object = pose(1.3, 0.2, -0.4, 2.0, 1.0, 0.5);
-  const Vector6d by = some_tangent(0.4, 1.5);
-  // The object is certain: G = 0, and r is its error.
-  const PairTransport pair({camera, SE3d::exp(by) * camera}, {object, object}, Matrix6d::Zero());
-  const TransportMap of_camera = pair.of_camera();
-  EXPECT_TRUE(of_camera.camera.isApprox(
-      derivative_of_move([&](const Vector6d& x) { return SE3d::exp(by + x); }), 1e-6));
-  EXPECT_TRUE(
-      Matrix6d(of_camera.own + of_camera.camera + of_camera.object).isApprox(Matrix6d::Identity()));
-  const TransportMap of_object = pair.of_object();
-  EXPECT_TRUE(of_object.object.isApprox(Matrix6d::Identity(), 1e-12));
-}
-
-TEST(Transport, TakesAlongWhatMovedWithTheCamera) {
-  const SE3d camera = pose(0.3, -0.2, 0.9, 1.0, 2.0, -0.5);
-  const SE3d object = pose(1.3, 0.2, -0.4, 2.0, 1.0, 0.5);
-  const SE3d other = pose(0.1, 0.7, 0.2, 1.2, 2.2, -0.1);
-  const Vector6d by = some_tangent(0.4, 1.5);
-  const Vector6d beyond = some_tangent(0.02, 0.03);
-  const PairTransport pair({camera, SE3d::exp(by) * camera}, {object, object}, Matrix6d::Zero());
-  SE3d to = SE3d::exp(by + beyond) * other;
-  const TransportMap map = pair.of_other(other, to);
-  EXPECT_TRUE(
-      (to * other.inverse()).log().isApprox((SE3d::exp(by) * SE3d::exp(beyond)).log(), 1e-12));
-  EXPECT_TRUE(map.own.isApprox(
-      derivative_of_move([&](const Vector6d& x) { return SE3d::exp(by) * SE3d::exp(beyond + x); }),
-      1e-6));
-  EXPECT_TRUE(Matrix6d(map.own + map.camera + map.object).isApprox(Matrix6d::Identity()));
-  // One that stays, next to the object, keeps its coordinates.
-  SE3d still = other;
-  EXPECT_TRUE(pair.of_other(other, still).own.isApprox(Matrix6d::Identity(), 1e-12));
-}
-
-/// The derivative of Log(T_C Y T_O^-1) where a detection takes a camera beside an object that is
-/// known, or an object before a camera that is.
-TEST(Linearisation, IsThatOfThePlaceWhereTheDetectionTakesThePoses) {
-  const DetectorNoise noise = sharp_tag_noise(1e-6);
-  const ObjectSensor sensor{noise};
-  for (const bool moves_camera : {true, false}) {
-    internal::DetectionState state{pose(0.3, -0.2, 0.9, 1.0, 2.0, -0.5),
-                                   pose(1.3, 0.2, -0.4, 2.0, 1.0, 0.5)};
-    state.has_slow = false;
-    const Matrix6d wide = isotropic(60.0, 3.0);
-    const Matrix6d sharp = isotropic(1e-5, 1e-7);
-    state.covariance.topLeftCorner<6, 6>() = moves_camera ? wide : sharp;
-    state.covariance.block<6, 6>(6, 6) = moves_camera ? sharp : wide;
-    const SE3d moved = SE3d::exp(some_tangent(0.4, 1.2));
-    const SE3d seen = moves_camera ? (moved * state.camera).inverse() * state.object
-                                   : state.camera.inverse() * (moved * state.object);
-    const internal::WeighedObservation observation =
-        internal::weigh(observation_of(seen), sensor, 1.0, {});
-    internal::Explanation explanation = internal::explain(state, observation, sensor);
-    internal::linearise_there(state, observation, sensor, explanation);
-    const internal::Innovation& innovation = explanation.inlier();
-    const SE3d camera = moves_camera ? moved * state.camera : state.camera;
-    const SE3d object = moves_camera ? state.object : moved * state.object;
-    const Vector6d by = some_tangent(0.4, 1.2);
-    const Matrix6d k = derivative_of_move([&](const Vector6d& x) { return SE3d::exp(by + x); });
-    const NoiseAtPose at = noise_at(noise.components().front(), seen);
-    const Matrix6d there = (camera * at.axes).adjoint_congruence(at.covariance);
-    const Matrix6d expected = k.inverse() * there * k.inverse().transpose();
-    EXPECT_TRUE(innovation.noise.isApprox(expected, 1e-3)) << moves_camera;
-    // What is left beyond the linear model is nothing: the detection has no error.
-    EXPECT_LT((innovation.residual - (moves_camera ? Vector6d(-by) : by)).norm(), 1e-3)
-        << moves_camera;
-    EXPECT_LT((camera * seen * object.inverse()).log().norm(), 1e-9);
-  }
-}
-
-TEST(LinearRange, IsLessForAPoseWhoseRotationIsLessCertain) {
-  const internal::LinearRange range(isotropic(1.0, 0.001));
-  const SE3d from = pose(0.1, 0.2, 0.3, 1, 2, 3);
-  const SE3d to = SE3d(SO3d(), Eigen::Vector3d(0.004, 0, 0)) * from;
-  EXPECT_TRUE(range.has(from, to, std::pow(0.14, 2)));
-  EXPECT_FALSE(range.has(from, to, std::pow(0.16, 2)));
-  EXPECT_FALSE(range.has(from, from * pose(0.35, 0, 0, 0, 0, 0), 0.0));
 }
 
 }  // namespace

@@ -139,9 +139,7 @@ TEST(Extrinsics, WithOneModeTheFilterIsTheJointKalmanFilter) {
 /// pose. Everything that treats the camera treats extrinsics alike, in all hypotheses.
 TEST(Extrinsics, OfABodyThatIsKnownAreTheBodyItself) {
   const Matrix6d tiny = 1e-14 * Matrix6d::Identity();
-  // Not so wide that a detection is linearised where it takes the poses: what moves with extrinsics
-  // is not transported as what moves with a body is.
-  const Matrix6d wide = isotropic(0.5, 0.01);
+  const Matrix6d wide = isotropic(2.0, 0.03);
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     OrbitScene scene(seed, 3, 0.1, 0.002);
     const SE3d start = SE3d::exp(testing::draw(wide, scene.stream)) * scene.camera;

@@ -118,8 +118,10 @@ TEST(GlobalHypotheses, ThatDifferByAShiftOfTheWorldAloneAreOne) {
     OrbitScene scene(seed, 2, 0.05, 1e-3);
     MultiObjectFilter filter = filter_of(scene, plain_settings());
     std::size_t most = 0;
+    int undecided = 0;  // frames since the last with one state: wild detections go on to split it
     for (int frame = 0; frame < 500; ++frame) {
-      if (frame == 400 && filter.camera_mixture().size() > 1) ++late;
+      undecided = filter.camera_mixture().size() > 1 ? undecided + 1 : 0;
+      if (frame == 400 && undecided > 50) ++late;
       if (frame > 0) filter.predict_with_odometry(scene.advance(), scene.q, 0.1);
       for (std::size_t j = 0; j < 2; ++j) filter.update(j, scene.detect(j, 0.0, 0.23));
       most = std::max(most, filter.camera_mixture().size());
@@ -131,7 +133,7 @@ TEST(GlobalHypotheses, ThatDifferByAShiftOfTheWorldAloneAreOne) {
       EXPECT_LT(testing::nees_of(seen, filter.relative(j, *filter.leading(j))), 30.0) << seed;
     }
   }
-  EXPECT_LE(late, 4);  // one in ten, where what is seen is not yet the same
+  EXPECT_LE(late, 1);  // where what is seen is not yet the same
 }
 
 /// A camera that is known worse than the detector sees, for which flips by 30 degrees, which its

@@ -66,7 +66,6 @@ TEST(PlacedObject, WhatADetectionSeesStaysWhereTheSlowErrorIsRescaled) {
   EXPECT_EQ(after.covariance, after.covariance.transpose());
 }
 
-// An axis of symmetry along z: the angle and the rate about it are free, and known to nobody.
 /// What pose and twist are by the equivalent pose whose angle about the axes is that of the mean,
 /// in the frame of the twist: T Exp(-u), with the body's twist v as Ad_{Exp(u)} v.
 Vector12d by_the_angle_of_the_mean(const PlacedObject& object, const SymmetryGroup& symmetries,

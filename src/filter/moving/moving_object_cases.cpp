@@ -106,16 +106,14 @@ std::vector<PlaceShare> MovingObjectState::shares_of(
     for (std::size_t i = 0; i < innovations.size(); ++i) {
       if (modes_.mode_of(i % n) != 0) continue;
       const double weight = weighed.total[static_cast<Eigen::Index>(k)] * innovations[i].weight;
-      const auto group = std::find_if(groups.begin() + 1, groups.end(), [&](const CaseGroup& one) {
-        return std::find(one.innovations.begin(), one.innovations.end(), i) !=
-               one.innovations.end();
-      });
+      const auto group = std::find_if(groups.begin() + 1, groups.end(),
+                                      [&](const CaseGroup& one) { return one.has(i); });
       const auto g = group == groups.end() ? 0 : static_cast<std::size_t>(group - groups.begin());
       shares[g].share += weight;
       total += weight;
     }
   }
-  if (!(total > 0.0)) return {};
+  if (!(total > 0.0)) shares.front().share = total = 1.0;
   for (PlaceShare& one : shares) one.share /= total;
   return shares;
 }

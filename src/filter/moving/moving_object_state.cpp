@@ -109,12 +109,12 @@ bool are_one_place(const MovingHypothesis& first, const MovingHypothesis& second
 }  // namespace
 
 /// Hypotheses that agree become one, of the id of the more probable: "Reduction".
-std::size_t MovingObjectState::merge() {
+MovingObjectState::Merges MovingObjectState::merge() {
   const SymmetryGroup& symmetries = sensor().symmetries;
   std::stable_sort(hypotheses_.begin(), hypotheses_.end(), [](const auto& a, const auto& b) {
     return a.weights.total() > b.weights.total();
   });
-  std::size_t merges = 0;
+  Merges merges;
   for (std::size_t a = 0; a < hypotheses_.size(); ++a) {
     for (std::size_t b = a + 1; b < hypotheses_.size();) {
       MovingHypothesis& first = hypotheses_[a];
@@ -130,14 +130,14 @@ std::size_t MovingObjectState::merge() {
       first.weights.add(second.weights);
       const std::uint64_t gone = second.id;
       const std::uint64_t kept = first.id;
-      if (trace_) trace_->merged.emplace_back(gone, kept);
+      merges.emplace_back(gone, kept);
       hypotheses_.erase(hypotheses_.begin() + static_cast<std::ptrdiff_t>(b));
       for (MovingHypothesis& hypothesis : hypotheses_)
         hypothesis.weights.redirect(gone, kept, hypothesis.id == kept);
       lost_.redirect(gone, kept, false);
-      ++merges;
     }
   }
+  if (trace_) trace_->merged.insert(trace_->merged.end(), merges.begin(), merges.end());
   return merges;
 }
 

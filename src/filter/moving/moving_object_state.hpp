@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
@@ -192,7 +193,8 @@ class MovingObjectState {
       std::size_t of_wrong = 0;   ///< where the detector is wrong
       Eigen::ArrayXd begun = {};  ///< weight of runs that began
       bool is_split = false;
-      /// Of what the detector shows where it is right, by id; empty where it is not split.
+      /// Of what the detector shows where it is right, by id, its own first; empty where it is not
+      /// split.
       std::vector<PlaceShare> shares = {};
     };
     std::vector<Place> places = {};            ///< by hypothesis
@@ -242,7 +244,7 @@ class MovingObjectState {
   double largest(const Evidence& evidence) const;
   /// Log density of a pose that may be anywhere in the volume of clutter.
   double log_anywhere() const;
-  double take_in(const MovingObservation& observation, Evidence& evidence,
+  double take_in(const MovingObservation& observation, Evidence& evidence, SplitHypotheses& split,
                  std::vector<MovingHypothesis>& births);
   void describe(const ModeEvidence& seen, MovingObjectReport& report) const;
   void weigh_lost(const MovingObservation& observation, const std::vector<double>& places,
@@ -266,17 +268,14 @@ class MovingObjectState {
   /// Factors on the gain: slow errors of a typical noise are only considered.
   Vector18d gain_factors() const;
   double normalise();
-  std::size_t merge();
+  using Merges = std::vector<std::pair<std::uint64_t, std::uint64_t>>;  ///< gone, and kept
+  Merges merge();
   void keep_heaviest();
   void learn(const MovingHypothesis& leader, const ModeEvidence& evidence,
              const Observation& observation, const KnownFrame& camera);
-  /// A hypothesis that was there before an observation, and what it expected.
-  struct SeenPlace {
-    std::uint64_t id;
-    const ModeEvidence* evidence;
-  };
-  using SeenPlaces = std::vector<SeenPlace>;
-  SeenPlaces seen_places(const Evidence& evidence) const;
+  /// What every hypothesis expected, by the id of it and of the parts that it was split into.
+  using Expected = std::map<std::uint64_t, const ModeEvidence*>;
+  Expected expected(const Evidence& evidence, const SplitHypotheses& split) const;
   Matrix6d reported_covariance(const PlacedObject& object, std::size_t model,
                                const Matrix6d& added) const;
   PlacedObject reported(const PlacedObject& object, std::size_t model, const Matrix6d& added) const;

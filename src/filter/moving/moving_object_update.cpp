@@ -163,7 +163,7 @@ double MovingObjectState::log_anywhere() const {
 
 /// Eq. (10) to (15). Returns the log of the summed weights.
 double MovingObjectState::take_in(const MovingObservation& observation, Evidence& evidence,
-                                  std::vector<MovingHypothesis>& births) {
+                                  SplitHypotheses& split, std::vector<MovingHypothesis>& births) {
   const MovingBelief before{hypotheses_, lost_};
   const std::vector<double> places = place_evidence(evidence);
   const double peak = largest(evidence);
@@ -173,7 +173,6 @@ double MovingObjectState::take_in(const MovingObservation& observation, Evidence
     draw_modes(hypothesis, observation);
     kept.push_back(keep_offsets(hypothesis));
   }
-  SplitHypotheses split;
   for (std::size_t h = 0; h < hypotheses_.size(); ++h) {
     const WeighedHypothesis weighed =
         weigh_modes(hypotheses_[h], evidence[h], places, kept[h], observation, peak);
@@ -263,37 +262,36 @@ MovingObjectReport MovingObjectState::update_here(const Observation& given,
   Evidence evidence = evidence_of(observation);
   std::vector<MovingHypothesis> births;
   MovingObjectReport report;
-  report.log_evidence = take_in(observation, evidence, births);
+  SplitHypotheses split;
+  report.log_evidence = take_in(observation, evidence, split, births);
   report.started = std::any_of(births.begin(), births.end(),
                                [](const auto& born) { return born.detections == 1; });
   trace_weights(births);
   detector_.count_detection(observation.weighed, *time_s_);
-  const SeenPlaces seen = seen_places(evidence);
+  Expected expected = this->expected(evidence, split);
   if (const MovingHypothesis* leading = leader())
-    learn(*leading, *seen.front().evidence, given, camera.frame);
+    learn(*leading, *expected.at(leading->id), given, camera.frame);
   for (MovingHypothesis& born : births) hypotheses_.push_back(std::move(born));
-  report.merges = merge();
+  const Merges merges = merge();
+  report.merges = merges.size();
+  for (const auto& [gone, kept] : merges)
+    if (expected.contains(gone)) expected.emplace(kept, expected.at(gone));
   normalise();
   keep_heaviest();
   const MovingHypothesis* leads = leader();
   report.changed_leader = leads && leads->id != led_id;
-  // One that was just begun was not expected; one that was split is described as a whole.
-  if (leads && leads->detections > 1 && !seen.empty()) {
-    const auto own = std::find_if(seen.begin(), seen.end(),
-                                  [&](const SeenPlace& one) { return one.id == leads->id; });
-    describe(*(own == seen.end() ? seen.front() : *own).evidence, report);
-  }
+  if (leads && expected.contains(leads->id)) describe(*expected.at(leads->id), report);
   return report;
 }
 
-/// What the most probable model of every hypothesis expected, that of the leading one first.
-MovingObjectState::SeenPlaces MovingObjectState::seen_places(const Evidence& evidence) const {
-  SeenPlaces result;
-  result.reserve(evidence.size());
-  for (std::size_t h = 0; h < evidence.size(); ++h)
-    result.push_back({hypotheses_[h].id, &evidence[h][hypotheses_[h].best_model()]});
-  if (const MovingHypothesis* leading = leader())
-    std::swap(result.front(), result[static_cast<std::size_t>(leading - hypotheses_.data())]);
+MovingObjectState::Expected MovingObjectState::expected(const Evidence& evidence,
+                                                        const SplitHypotheses& split) const {
+  Expected result;
+  for (std::size_t h = 0; h < evidence.size(); ++h) {
+    const ModeEvidence* own = &evidence[h][hypotheses_[h].best_model()];
+    result[hypotheses_[h].id] = own;
+    for (const PlaceShare& part : split.places[h].shares) result[part.place] = own;
+  }
   return result;
 }
 

@@ -130,9 +130,12 @@ bool fit_one_gaussian(const WeightedObject& a, const WeightedObject& b) {
   return (both.array() <= kMostWidening * of_a.array().min(of_b.array())).all();
 }
 
+bool CaseGroup::has(std::size_t innovation) const {
+  return std::find(innovations.begin(), innovations.end(), innovation) != innovations.end();
+}
+
 bool CaseGroup::has(const ObservedCase& one) const {
-  if (!one.innovation) return has_wrong;
-  return std::find(innovations.begin(), innovations.end(), *one.innovation) != innovations.end();
+  return one.innovation ? has(*one.innovation) : has_wrong;
 }
 
 std::vector<CaseGroup> groups_of(const std::vector<ObservedCase>& cases) {

@@ -40,6 +40,7 @@ struct CaseGroup {
   std::vector<std::size_t> innovations = {};
   bool has_wrong = false;
 
+  bool has(std::size_t innovation) const;
   bool has(const ObservedCase& one) const;
 };
 

@@ -44,10 +44,6 @@ struct DetectionState {
   Matrix6d common_part(const Matrix6d& noise) const;
 };
 
-/// G of eq. (33), by the covariances of camera and object and the noise of a detection.
-Matrix6d common_part(const Matrix6d& camera, const Matrix6d& object_camera, const Matrix6d& object,
-                     const Matrix6d& noise);
-
 /// P H^T with H = [-I I A].
 Matrix18x6d times_ht(const Matrix18d& p, const Matrix6d& slow_map);
 

@@ -93,18 +93,11 @@ void linearise_there(const DetectionState& state, const ObservationComponent& ob
 
 }  // namespace
 
-Matrix6d common_part(const Matrix6d& camera, const Matrix6d& object_camera, const Matrix6d& object,
-                     const Matrix6d& noise) {
-  constexpr double kRegular = 1e-3;
-  const Matrix6d apart = object - object_camera;
-  const Matrix6d difference = camera - object_camera.transpose() + apart;
-  return Cholesky6(difference + kRegular * noise).solved_rows(apart);
-}
-
 Matrix6d DetectionState::common_part(const Matrix6d& noise) const {
-  return internal::common_part(covariance.block<6, 6>(kCameraRow, kCameraRow),
-                               covariance.block<6, 6>(kObjectRow, kCameraRow),
-                               covariance.block<6, 6>(kObjectRow, kObjectRow), noise);
+  constexpr double kRegular = 1e-3;
+  const Matrix6d apart = covariance.block<6, 6>(kObjectRow, kObjectRow) -
+                         covariance.block<6, 6>(kObjectRow, kCameraRow);
+  return Cholesky6(difference() + kRegular * noise).solved_rows(apart);
 }
 
 void linearise_there(const DetectionState& state, const WeighedObservation& observation,

@@ -14,12 +14,14 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   ObjectBelief& belief = object.belief;
   const Explanation& leading = updates[*belief.leading()].explanation;
   const CameraMoments before = joint.camera_moments();
-  Transport transport(joint, *belief.pose_index(), leading.inlier().white, leading.inlier().noise,
+  const ObservationSource& source = observed.observation.source;
+  Transport transport(joint, *belief.pose_index(), source,
+                      belief.state_from(joint, *belief.leading(), source), leading.inlier(),
                       poses_beside_joint(births), observed.factors.are_whole);
   const CameraAlternative alternative =
       belief.camera_alternative(updates, births, log_evidence, before);
-  const CameraChange change = joint.update(*belief.pose_index(), leading, alternative,
-                                           observed.factors, observed.observation.source);
+  const CameraChange change =
+      joint.update(*belief.pose_index(), leading, alternative, observed.factors, source);
   CameraMoments after = joint.camera_moments();
   after.mean = change.mean;
   after.rig.mean = change.rig_mean;

@@ -89,12 +89,24 @@ TransportMap PairTransport::of_other(const SE3d& from, SE3d& to) const {
   return map;
 }
 
-TransportMoments JointGaussian::transport_all(std::size_t object,
+void JointGaussian::combine(const RigCoordinates& given) {
+  const Index at = offset(given.block);
+  const Index beside = offset(given.beside);
+  const SixColumns columns = covariance_.middleCols<6>(at) * given.own.transpose() +
+                             covariance_.middleCols<6>(beside) * given.other.transpose();
+  covariance_.middleCols<6>(at) = columns;
+  const MatrixXd rows =
+      given.own * covariance_.middleRows<6>(at) + given.other * covariance_.middleRows<6>(beside);
+  covariance_.middleRows<6>(at) = rows;
+  symmetrize(covariance_);
+}
+
+TransportMoments JointGaussian::transport_all(std::size_t camera, std::size_t object,
                                               const KeptVector<std::optional<TransportMap>>& maps) {
   const Index n = rig_dof();
   const auto rig_rows = Eigen::seqN(Index{0}, n);
   std::vector<Index> y;
-  append_coordinates(y, first(kCamera));
+  append_coordinates(y, first(camera));
   append_coordinates(y, first(object));
   TransportMoments moments{.rig = rig(),
                            .rig_with_moved = {},
@@ -125,13 +137,26 @@ TransportMoments JointGaussian::transport_all(std::size_t object,
   return moments;
 }
 
-void transport_pose(ConditionalPose& pose, const TransportMap& map,
-                    const TransportMoments& moments) {
-  const Index n = moments.rig.rows();
-  MatrixXd cross(12, n);
+namespace {
+
+/// Cov([xi_O; b], [xi_C; xi_E ...]).
+MatrixXd with_rig(const ConditionalPose& pose, Index rig) {
+  MatrixXd cross(12, rig);
   cross.leftCols<6>() = pose.cross_covariance;
-  if (n > 6) cross.rightCols(n - 6) = pose.extrinsics;
-  const MatrixXd g = RegularFactor(moments.rig).solve(cross.transpose()).transpose();
+  if (rig > 6) cross.rightCols(rig - 6) = pose.extrinsics;
+  return cross;
+}
+
+void set_with_rig(const MatrixXd& cross, ConditionalPose& pose) {
+  pose.cross_covariance = cross.leftCols<6>();
+  if (cross.cols() > 6) pose.extrinsics = cross.rightCols(cross.cols() - 6);
+}
+
+}  // namespace
+
+void transport_pose(ConditionalPose& pose, const TransportMap& map, const TransportMoments& moments,
+                    const RegularFactor& rig) {
+  const MatrixXd g = rig.solve(with_rig(pose, moments.rig.rows()).transpose()).transpose();
   Matrix12d a = Matrix12d::Identity();
   a.topLeftCorner<6, 6>() = map.own;
   Matrix12d b = Matrix12d::Zero();
@@ -140,21 +165,21 @@ void transport_pose(ConditionalPose& pose, const TransportMap& map,
   pose.covariance = a * pose.covariance * a.transpose() + with_pair + with_pair.transpose() +
                     b * moments.pair * b.transpose();
   symmetrize(pose.covariance);
-  cross = a * (g * moments.rig_with_moved) + b * moments.pair_with_moved;
-  pose.cross_covariance = cross.leftCols<6>();
-  if (n > 6) pose.extrinsics = cross.rightCols(n - 6);
+  set_with_rig(a * (g * moments.rig_with_moved) + b * moments.pair_with_moved, pose);
 }
 
-Transport::Transport(JointGaussian& joint, std::size_t object, const Matrix6d& white,
-                     const Matrix6d& noise, KeptVector<ConditionalPose*> others, bool is_whole)
-    : joint_(joint), object_(object), range_(white), others_(std::move(others)) {
-  const Matrix6d cross = joint.covariance(object, kCamera);
-  const Matrix6d difference = joint.covariance(kCamera, kCamera) - cross - cross.transpose() +
-                              joint.covariance(object, object);
-  is_needed_ = is_whole && is_far_less_certain(difference, noise, joint.pose(object).translation());
+Transport::Transport(JointGaussian& joint, std::size_t object, const ObservationSource& source,
+                     const DetectionState& state, const Innovation& inlier,
+                     KeptVector<ConditionalPose*> others, bool is_whole)
+    : joint_(joint),
+      object_(object),
+      range_(inlier.white),
+      is_needed_(is_whole &&
+                 is_far_less_certain(state.difference(), inlier.noise, state.object.translation())),
+      others_(std::move(others)) {
   if (!is_needed_) return;
-  camera_part_ = common_part(joint.covariance(kCamera, kCamera), cross,
-                             joint.covariance(object, object), noise);
+  if (source.camera) extrinsic_ = JointGaussian::extrinsic_block(*source.camera);
+  camera_part_ = state.common_part(inlier.noise);
   from_.reserve(joint.size());
   for (std::size_t i = 0; i < joint.size(); ++i) from_.push_back(joint.pose(i));
   others_from_.reserve(others_.size());
@@ -177,10 +202,41 @@ bool Transport::is_far() const {
   return false;
 }
 
+/// The camera that sees moves by the sum of what body and extrinsic move by, and the one of them
+/// that moved more has the pose that goes with it. With x = xi_C + Ad_C xi_E that of the camera,
+/// xi_C = x - Ad_C' xi_E or xi_E = Ad_C'^-1 (x - xi_C) where the body is at C'.
+PoseMove Transport::move_of_camera() {
+  const SE3d& body = from_[kCamera];
+  if (!extrinsic_) return {body, joint_.pose(kCamera)};
+  const SE3d& extrinsic = from_[*extrinsic_];
+  const Matrix6d before = body.adjoint();
+  const Vector6d by_body = (joint_.pose(kCamera) * body.inverse()).log();
+  const Vector6d by_extrinsic = before * (joint_.pose(*extrinsic_) * extrinsic.inverse()).log();
+  const SE3d from = body * extrinsic;
+  const SE3d to = SE3d::exp(by_body + by_extrinsic) * from;
+  const auto way = [&](const Vector6d& by) {
+    return (SE3d::exp(by) * from).translation() - from.translation();
+  };
+  if (way(by_extrinsic).norm() > way(by_body).norm()) {
+    camera_block_ = *extrinsic_;
+    joint_.set_pose(*extrinsic_, joint_.pose(kCamera).inverse() * to);
+    const Matrix6d back = joint_.pose(kCamera).inverse().adjoint();
+    to_camera_ = {*extrinsic_, before, kCamera, Matrix6d::Identity()};
+    from_camera_ = {*extrinsic_, back, kCamera, -back};
+  } else {
+    joint_.set_pose(kCamera, to * joint_.pose(*extrinsic_).inverse());
+    to_camera_ = {kCamera, Matrix6d::Identity(), *extrinsic_, before};
+    from_camera_ = {kCamera, Matrix6d::Identity(), *extrinsic_, -joint_.pose(kCamera).adjoint()};
+  }
+  return {from, to};
+}
+
 void Transport::follow() {
   if (!is_needed_ || !is_far()) return;
-  const PairTransport pair({from_[kCamera], joint_.pose(kCamera)},
-                           {from_[object_], joint_.pose(object_)}, camera_part_);
+  const PoseMove camera = move_of_camera();
+  const PairTransport pair(camera, {from_[object_], joint_.pose(object_)}, camera_part_);
+  maps_.resize(joint_.size());
+  maps_[camera_block_] = pair.of_camera();
   follow_in_joint(pair);
   others_maps_.resize(others_.size());
   for (std::size_t k = 0; k < others_.size(); ++k) {
@@ -191,15 +247,12 @@ void Transport::follow() {
 }
 
 void Transport::follow_in_joint(const PairTransport& pair) {
-  maps_.resize(joint_.size());
   bool is_passive = false;
   for (std::size_t i = 0; i < joint_.size(); ++i) {
     if (!joint_.is_in_world(i) || range_.has(from_[i], joint_.pose(i), joint_.rotation_variance(i)))
       continue;
     is_passive = is_passive || !joint_.is_active(i);
-    if (i == kCamera) {
-      maps_[i] = pair.of_camera();
-    } else if (i == object_) {
+    if (i == object_) {
       maps_[i] = pair.of_object();
     } else {
       SE3d to = joint_.pose(i);
@@ -210,13 +263,28 @@ void Transport::follow_in_joint(const PairTransport& pair) {
   if (is_passive) joint_.activate_all();
 }
 
+void Transport::combine(const RigCoordinates& given) {
+  joint_.combine(given);
+  const auto columns = [](MatrixXd& m, std::size_t block) {
+    return m.middleCols<6>(offset(block));
+  };
+  for (ConditionalPose* other : others_) {
+    MatrixXd cross = with_rig(*other, joint_.rig().rows());
+    const Matrix12x6d next = columns(cross, given.block) * given.own.transpose() +
+                             columns(cross, given.beside) * given.other.transpose();
+    columns(cross, given.block) = next;
+    set_with_rig(cross, *other);
+  }
+}
+
 void Transport::apply() {
   if (maps_.empty()) return;
-  const TransportMoments moments = joint_.transport_all(object_, maps_);
-  for (std::size_t k = 0; k < others_.size(); ++k) {
-    if (others_maps_[k] || maps_[kCamera])
-      transport_pose(*others_[k], others_maps_[k].value_or(TransportMap()), moments);
-  }
+  if (extrinsic_) combine(to_camera_);
+  const TransportMoments moments = joint_.transport_all(camera_block_, object_, maps_);
+  const RegularFactor rig(moments.rig);
+  for (std::size_t k = 0; k < others_.size(); ++k)
+    transport_pose(*others_[k], others_maps_[k].value_or(TransportMap()), moments, rig);
+  if (extrinsic_) combine(from_camera_);
 }
 
 }  // namespace posemix::internal

@@ -12,6 +12,7 @@
 namespace posemix::internal {
 
 class JointGaussian;
+class RegularFactor;
 
 /// Whether a prediction knows in some direction where an object is, relative to the camera that
 /// sees it, by far worse than a detection does: a linearisation where the detection takes the poses
@@ -38,9 +39,9 @@ class LinearRange {
   double least_position_;  ///< standard deviation [m]
 };
 
-/// The coordinates x of a pose become own x + camera xi_C + object xi_O, where xi_O is the pose
-/// that was detected, as its leading hypothesis has it. The three sum to the identity: what all
-/// poses have in common stays.
+/// The coordinates x of a pose become own x + camera xi_C + object xi_O, where xi_C is the camera
+/// that sees, and xi_O the pose that was detected, as its leading hypothesis has it. The three sum
+/// to the identity: what all poses have in common stays.
 struct TransportMap {
   Matrix6d own = Matrix6d::Identity();
   Matrix6d camera = Matrix6d::Zero();
@@ -91,17 +92,29 @@ struct TransportMoments {
   Matrix12d pair;                   ///< Cov(y)
 };
 
-/// The transport of a pose that depends on the rest through camera and extrinsics.
-void transport_pose(ConditionalPose& pose, const TransportMap& map,
-                    const TransportMoments& moments);
+/// The transport of a pose that depends on the rest through camera and extrinsics; `rig` is the
+/// factor of their covariance before.
+void transport_pose(ConditionalPose& pose, const TransportMap& map, const TransportMoments& moments,
+                    const RegularFactor& rig);
+
+/// The coordinates x of the camera or of an extrinsic become own x + other x_beside, where `beside`
+/// is another block of them.
+struct RigCoordinates {
+  std::size_t block = 0;
+  Matrix6d own = Matrix6d::Identity();
+  std::size_t beside = 0;
+  Matrix6d other = Matrix6d::Zero();
+};
 
 /// The transport of everything after an update. Made before the update, which gets the poses by
 /// reference: those of the joint Gaussian, and those that depend on it through the camera.
 class Transport {
  public:
-  /// `object` is the index of the one that is detected; `white` and `noise` are those of its most
-  /// probable innovation. Nothing is transported where the correction is not taken whole.
-  Transport(JointGaussian& joint, std::size_t object, const Matrix6d& white, const Matrix6d& noise,
+  /// `object` is the index of the one that is detected, by `source`; `state` is that of its leading
+  /// hypothesis with the camera that sees it, and `inlier` its most probable innovation. Nothing is
+  /// transported where the correction is not taken whole.
+  Transport(JointGaussian& joint, std::size_t object, const ObservationSource& source,
+            const DetectionState& state, const Innovation& inlier,
             KeptVector<ConditionalPose*> others, bool is_whole);
 
   /// The poses have moved: those that moved with camera or object beyond the linear range move on.
@@ -111,16 +124,25 @@ class Transport {
 
  private:
   bool is_far() const;
+  PoseMove move_of_camera();
   void follow_in_joint(const PairTransport& pair);
+  void combine(const RigCoordinates& coordinates);
 
   JointGaussian& joint_;
   std::size_t object_;
+  /// The block of a camera on the body whose pose is estimated, if it is that which sees.
+  std::optional<std::size_t> extrinsic_;
   LinearRange range_;
   bool is_needed_;
   Matrix6d camera_part_;
   KeptVector<SE3d> from_;  ///< by block of the joint Gaussian
   KeptVector<ConditionalPose*> others_;
   KeptVector<SE3d> others_from_;
+  /// The block that has the coordinates of the camera that sees while covariances are transported:
+  /// of body and extrinsic the one that moved more; and how they go there and back.
+  std::size_t camera_block_ = 0;
+  RigCoordinates to_camera_;
+  RigCoordinates from_camera_;
   /// None where the coordinates stay.
   KeptVector<std::optional<TransportMap>> maps_;
   KeptVector<std::optional<TransportMap>> others_maps_;
