@@ -236,7 +236,8 @@ void Transport::follow() {
   const PoseMove camera = move_of_camera();
   const PairTransport pair(camera, {from_[object_], joint_.pose(object_)}, camera_part_);
   maps_.resize(joint_.size());
-  maps_[camera_block_] = pair.of_camera();
+  if (!range_.has(camera.from, camera.to, joint_.rotation_variance(camera_block_)))
+    maps_[camera_block_] = pair.of_camera();
   follow_in_joint(pair);
   others_maps_.resize(others_.size());
   for (std::size_t k = 0; k < others_.size(); ++k) {
@@ -249,7 +250,8 @@ void Transport::follow() {
 void Transport::follow_in_joint(const PairTransport& pair) {
   bool is_passive = false;
   for (std::size_t i = 0; i < joint_.size(); ++i) {
-    if (!joint_.is_in_world(i) || range_.has(from_[i], joint_.pose(i), joint_.rotation_variance(i)))
+    if (i == camera_block_ || !joint_.is_in_world(i) ||
+        range_.has(from_[i], joint_.pose(i), joint_.rotation_variance(i)))
       continue;
     is_passive = is_passive || !joint_.is_active(i);
     if (i == object_) {
