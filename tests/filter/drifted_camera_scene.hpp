@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// A camera among tags whose odometry drifts by many standard deviations of the detector, as it
+// says.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "moving_object_scene.hpp"
+#include "posemix/filter/multi_object_filter.hpp"
+
+namespace posemix::testing {
+
+inline DetectorNoise sharp_tag_noise(const Eigen::Vector3d& position_sds_m, double volume_m3 = 1.0,
+                                     bool is_typical = false) {
+  const Matrix6d covariance =
+      pose_covariance(Eigen::Vector3d::Constant(radians(1.0)), position_sds_m);
+  return DetectorNoise({{.weight = 0.95, .covariance = covariance, .frame = NoiseFrame::ray}},
+                       {.weight = 0.05, .volume_m3 = volume_m3}, {.is_typical = is_typical});
+}
+
+inline DetectorNoise sharp_tag_noise(double position_sd_m) {
+  return sharp_tag_noise(Eigen::Vector3d::Constant(position_sd_m));
+}
+
+/// A camera among tags that stand still; detections and odometry err as they say.
+class TagTrip {
+ public:
+  TagTrip(std::uint64_t seed, const DetectorNoise& noise, std::vector<SE3d> tags)
+      : tags_(std::move(tags)),
+        stream_(seed, 5),
+        noise_(noise),
+        filter_(ConcentratedGaussian<SE3d>(
+                    SE3d::exp(draw(isotropic(0.01, 1e-3), stream_)).inverse() * camera_,
+                    isotropic(0.01, 1e-3)),
+                std::vector<ObjectSensor>(tags_.size(), ObjectSensor{noise_}), {}) {}
+
+  /// From now on a camera on the body sees, whose pose there is known with this covariance.
+  void see_from(const SE3d& body_camera, const Matrix6d& covariance) {
+    mount_ = SE3d::exp(draw(covariance, stream_)) * body_camera;
+    source_.camera = filter_.add_camera({body_camera, covariance});
+  }
+  void see(std::size_t tag) {
+    const SE3d seen = (camera_ * mount_).inverse() * tags_[tag];
+    const NoiseAtPose at = noise_at(noise_.components().front(), seen);
+    const SE3d error = at.axes * SE3d::exp(draw(at.covariance, stream_)) * at.axes.inverse();
+    filter_.update(tag, observation_of(error * seen), source_);
+  }
+  void go(const SE3d& motion, double rotation_sd_deg, double position_sd_m) {
+    const Matrix6d q = isotropic(rotation_sd_deg, position_sd_m);
+    camera_ = camera_ * motion;
+    filter_.predict_with_odometry(motion * SE3d::exp(draw(q, stream_)).inverse(), q, 0.1);
+  }
+  double camera_nees() const { return nees_of(camera_, filter_.camera()) / 6.0; }
+  /// As seen from the camera.
+  double relative_nees(std::size_t tag) const {
+    return nees_of(camera_.inverse() * tags_[tag], filter_.leading_estimates()[tag]->relative) /
+           6.0;
+  }
+  double tag_nees(std::size_t tag) const {
+    return nees_of(tags_[tag], filter_.leading_estimates()[tag]->world) / 6.0;
+  }
+  /// Of all tags from the camera together.
+  double all_relative_nees() const {
+    const auto joint = filter_.joint();
+    const Eigen::Index n = 6 * static_cast<Eigen::Index>(tags_.size());
+    const SE3d from_world = joint.mean()[0].inverse();
+    Eigen::VectorXd error(n);
+    Eigen::MatrixXd f = Eigen::MatrixXd::Zero(n, n + 6);
+    for (std::size_t i = 0; i < tags_.size(); ++i) {
+      const Eigen::Index at = 6 * static_cast<Eigen::Index>(i);
+      const SE3d seen = from_world * joint.mean()[i + 1];
+      error.segment<6>(at) = (camera_.inverse() * tags_[i] * seen.inverse()).log();
+      f.block<6, 6>(at, 0) = -from_world.adjoint();
+      f.block<6, 6>(at, at + 6) = from_world.adjoint();
+    }
+    const Eigen::MatrixXd covariance = f * joint.covariance() * f.transpose();
+    return error.dot(covariance.ldlt().solve(error)) / static_cast<double>(n);
+  }
+  /// Of tag 1 from tag 0.
+  double beside_nees() const {
+    const auto joint = filter_.joint();
+    const SE3d from_world = joint.mean()[1].inverse();
+    const SE3d beside = from_world * joint.mean()[2];
+    const Vector6d error = (tags_[0].inverse() * tags_[1] * beside.inverse()).log();
+    Eigen::Matrix<double, 6, 12> f;
+    f << -from_world.adjoint(), from_world.adjoint();
+    const Matrix6d covariance = f * joint.covariance().block<12, 12>(6, 6) * f.transpose();
+    return error.dot(covariance.ldlt().solve(error)) / 6.0;
+  }
+  /// Of the camera and all tags together.
+  double joint_nees() const {
+    const auto joint = filter_.joint();
+    Eigen::VectorXd error(joint.covariance().rows());
+    for (std::size_t i = 0; i < joint.mean().size(); ++i) {
+      const SE3d& truth = i == 0 ? camera_ : tags_[i - 1];
+      error.segment<6>(6 * static_cast<Eigen::Index>(i)) =
+          (truth * joint.mean()[i].inverse()).log();
+    }
+    return error.dot(joint.covariance().ldlt().solve(error)) / static_cast<double>(error.size());
+  }
+
+ private:
+  SE3d camera_ = pose(0.1, 0.2, 0.3, 0, 0, 0);
+  SE3d mount_;
+  ObservationSource source_;
+  std::vector<SE3d> tags_;
+  RandomStream stream_;
+  DetectorNoise noise_;
+  MultiObjectFilter filter_;
+};
+
+struct NeesSummary {
+  double sum = 0.0;
+  double worst = 0.0;
+  std::size_t count = 0;
+
+  void add(double value) {
+    sum += value;
+    worst = std::max(worst, value);
+    ++count;
+  }
+  double mean() const { return sum / static_cast<double>(count); }
+};
+
+}  // namespace posemix::testing
