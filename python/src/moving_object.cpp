@@ -146,9 +146,11 @@ void bind_results(nb::module_& m) {
              "Probability, under the leading hypothesis, that the detector saw the object.")
       .field("inlier_probability", &R::inlier_probability, "float",
              "Probability of the noise's first component under the leading hypothesis.")
-      .field("nis", &R::nis, "float | None",
-             "z^T S^-1 z of the leading hypothesis, of six degrees of freedom; None for one just "
-             "begun.")
+      .field(
+          "nis", &R::nis, "float | None",
+          "z^T S^-1 z of the leading hypothesis, of six degrees of freedom, under the right mode "
+          "that is most probable (that of a flip, where the noise has flips); None for one just "
+          "begun.")
       .field("residual", &R::residual, kFloatArray,
              "Shape (6,): residual of the same in standard deviations, along the noise's axes.")
       .done();

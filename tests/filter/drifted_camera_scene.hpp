@@ -7,8 +7,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "moving_object_scene.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
@@ -30,32 +33,39 @@ inline DetectorNoise sharp_tag_noise(double position_sd_m) {
 /// A camera among tags that stand still; detections and odometry err as they say.
 class TagTrip {
  public:
-  TagTrip(std::uint64_t seed, const DetectorNoise& noise, std::vector<SE3d> tags)
+  TagTrip(std::uint64_t seed, const std::vector<ObjectSensor>& sensors, std::vector<SE3d> tags)
       : tags_(std::move(tags)),
         stream_(seed, 5),
-        noise_(noise),
+        noise_(sensors.front().noise),
         filter_(ConcentratedGaussian<SE3d>(
                     SE3d::exp(draw(isotropic(0.01, 1e-3), stream_)).inverse() * camera_,
                     isotropic(0.01, 1e-3)),
-                std::vector<ObjectSensor>(tags_.size(), ObjectSensor{noise_}), {}) {}
+                sensors, {}) {}
+  TagTrip(std::uint64_t seed, const DetectorNoise& noise, const std::vector<SE3d>& tags)
+      : TagTrip(seed, std::vector<ObjectSensor>(tags.size(), ObjectSensor{noise}), tags) {}
 
   /// From now on a camera on the body sees, whose pose there is known with this covariance.
   void see_from(const SE3d& body_camera, const Matrix6d& covariance) {
     mount_ = SE3d::exp(draw(covariance, stream_)) * body_camera;
     source_.camera = filter_.add_camera({body_camera, covariance});
   }
-  void see(std::size_t tag) {
-    const SE3d seen = (camera_ * mount_).inverse() * tags_[tag];
-    const NoiseAtPose at = noise_at(noise_.components().front(), seen);
-    const SE3d error = at.axes * SE3d::exp(draw(at.covariance, stream_)) * at.axes.inverse();
-    filter_.update(tag, observation_of(error * seen), source_);
+  /// The detector turns the tag by `turn`, to one that looks the same.
+  ObjectUpdateReport see(std::size_t tag, const SE3d& turn = {}) {
+    return filter_.update(tag, seen((camera_ * mount_).inverse() * tags_[tag] * turn), source_);
   }
+  /// With the camera that is the body itself.
+  void see_exactly(std::size_t tag) { filter_.update(tag, seen(camera_.inverse() * tags_[tag])); }
   void go(const SE3d& motion, double rotation_sd_deg, double position_sd_m) {
     const Matrix6d q = isotropic(rotation_sd_deg, position_sd_m);
     camera_ = camera_ * motion;
     filter_.predict_with_odometry(motion * SE3d::exp(draw(q, stream_)).inverse(), q, 0.1);
   }
+  SE3d any_turn() { return SE3d::exp(6.28 * stream_.uniform() * Vector6d::Unit(2)); }
   double camera_nees() const { return nees_of(camera_, filter_.camera()) / 6.0; }
+  double extrinsic_nees() const {
+    return nees_of(mount_, filter_.extrinsic(*source_.camera)) / 6.0;
+  }
+  const MultiObjectFilter& filter() const { return filter_; }
   /// As seen from the camera.
   double relative_nees(std::size_t tag) const {
     return nees_of(camera_.inverse() * tags_[tag], filter_.leading_estimates()[tag]->relative) /
@@ -105,6 +115,12 @@ class TagTrip {
   }
 
  private:
+  Observation seen(const SE3d& truth) {
+    const NoiseAtPose at = noise_at(noise_.components().front(), truth);
+    const SE3d error = at.axes * SE3d::exp(draw(at.covariance, stream_)) * at.axes.inverse();
+    return observation_of(error * truth);
+  }
+
   SE3d camera_ = pose(0.1, 0.2, 0.3, 0, 0, 0);
   SE3d mount_;
   ObservationSource source_;
@@ -126,5 +142,13 @@ struct NeesSummary {
   }
   double mean() const { return sum / static_cast<double>(count); }
 };
+
+inline void expect_consistent(std::initializer_list<NeesSummary> all) {
+  for (const NeesSummary& nees : all) {
+    EXPECT_GT(nees.mean(), 0.6);
+    EXPECT_LT(nees.mean(), 1.5);
+    EXPECT_LT(nees.worst, 6.0);
+  }
+}
 
 }  // namespace posemix::testing

@@ -47,7 +47,8 @@ TEST(Extrinsics, TheErrorOfACameraIsThatOfTheBodyAndOfItsPoseThere) {
   EXPECT_EQ(joint.seen_by({}), of_body);
 }
 
-/// An extended Kalman filter over the body, two extrinsics and objects, as in a textbook.
+/// An extended Kalman filter over the body, two extrinsics and objects, as in a textbook; but the
+/// error of the camera that sees, which is what a detection tells of, stays when the body moves.
 struct PlainFilter {
   std::vector<SE3d> poses;
   Eigen::MatrixXd p;
@@ -78,9 +79,20 @@ struct PlainFilter {
     const Matrix6d s = h * p * h.transpose() + at.adjoint_congruence(r);
     const Eigen::MatrixXd k = p * h.transpose() * s.inverse();
     const Eigen::VectorXd moved = k * z;
+    const std::vector<SE3d> before = poses;
     for (std::size_t i = 0; i < poses.size(); ++i)
       poses[i] = SE3d::exp(moved.segment<6>(6 * static_cast<Eigen::Index>(i))) * poses[i];
     p -= k * s * k.transpose();
+    if (from) keep_camera(before[0], before[1 + *from], *from, moved);
+  }
+  void keep_camera(const SE3d& body, const SE3d& extrinsic, std::size_t from,
+                   const Eigen::VectorXd& moved) {
+    const Eigen::Index at = 6 + 6 * static_cast<Eigen::Index>(from);
+    const Vector6d by_camera = moved.head<6>() + body.adjoint() * moved.segment<6>(at);
+    poses[0] = SE3d::exp(by_camera) * body * extrinsic * poses[1 + from].inverse();
+    Eigen::MatrixXd t = Eigen::MatrixXd::Identity(p.rows(), p.cols());
+    t.block<6, 6>(0, at) = body.adjoint() - poses[0].adjoint();
+    p = t * p * t.transpose();
   }
 };
 

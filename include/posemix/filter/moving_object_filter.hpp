@@ -111,8 +111,9 @@ struct MovingObjectReport {
   /// Probability of the noise's first component under the leading hypothesis.
   double inlier_probability = 0.0;
   /// z^T S^-1 z of the leading hypothesis' most probable model, of six degrees of freedom (fewer
-  /// with symmetries about axes), under the noise's first component; none for a hypothesis just
-  /// begun.
+  /// with symmetries about axes), under the first component of the right mode that is most
+  /// probable: that of a flip, where the noise has flips and the detection is one; none for a
+  /// hypothesis just begun.
   std::optional<double> nis = {};
   /// Residual of the same in standard deviations, along the axes of the noise.
   Vector6d residual = Vector6d::Zero();

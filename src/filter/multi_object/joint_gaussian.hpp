@@ -147,12 +147,12 @@ class JointGaussian {
   /// regression on them. Returns the mean of camera and extrinsics in the tangent space at the mean
   /// before.
   Eigen::VectorXd mix(double weight, const JointGaussian& other, const BlockPairs& shared);
-  /// Other coordinates for the camera or an extrinsic.
-  void combine(const RigCoordinates& coordinates);
+  /// Other coordinates for an active block, of which the other one is active, too.
+  void combine(const BlockCoordinates& coordinates);
   /// The covariance in the tangent spaces at means that have moved, by a map of every block whose
-  /// coordinates change; all of them are active. `camera` is the block with the coordinates of the
-  /// camera that sees, `object` that of what is detected.
-  TransportMoments transport_all(std::size_t camera, std::size_t object,
+  /// coordinates change; all of them are active. `object` is the index of the one detected; the
+  /// camera's coordinates are those of the camera that sees.
+  TransportMoments transport_all(std::size_t object,
                                  const KeptVector<std::optional<TransportMap>>& maps);
   /// Takes the part `back` of the camera's correction back, see eq. (10).
   void shift_back(const CameraChange& change, const Matrix6d& back);

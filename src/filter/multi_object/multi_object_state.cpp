@@ -284,7 +284,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   belief.add(joint, births);
   evidence = belief.normalise();
   report.merges = reduce(object);
-  belief.fix_unobserved(joint, object.sensor().symmetries);
+  belief.fix_unobserved_beside_camera(joint, object.sensor());
   const auto leading = belief.leading();
   report.changed_leader = leading && belief.standing(*leading).id != led;
   return report;

@@ -150,9 +150,12 @@ class ObjectBelief {
   /// b <- f b and xi_O <- xi_O + A (1 - f) b for every hypothesis, with `factor` f by coordinate
   /// and the map A of the first component of `sensor`: the sum that a detection sees stays.
   void rescale_slow_error(JointGaussian& joint, const ObjectSensor& sensor, const Vector6d& factor);
-  /// The directions in which the symmetries leave the pose free become independent of everything,
-  /// with a small variance: the pose that stands for all equivalent ones is chosen there.
+  /// The pose that stands for all equivalent ones is chosen: the directions in which the symmetries
+  /// leave it free become independent of everything, with a small variance.
   void fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries);
+  /// The same after a detection: they get what camera and object have in common there, r of
+  /// eq. (33), so that all may still turn together.
+  void fix_unobserved_beside_camera(JointGaussian& joint, const ObjectSensor& sensor);
   /// Adds the covariance of an independent shift of the world to all alternatives.
   void add_world_error(const Matrix6d& shift);
   /// W^-1 of eq. (31) of the alternatives that know the world so well that D, whose inverse is
@@ -296,6 +299,9 @@ class ObjectBelief {
   Standing& mutable_standing(std::size_t h);
   /// x <- F x for [xi_O; b] of hypothesis `h`.
   void transform(JointGaussian& joint, std::size_t h, const Matrix12d& f);
+  /// xi_O <- xi_O - F (xi_O - xi_C) of hypothesis `h`.
+  void approach_camera(JointGaussian& joint, std::size_t h, const Matrix6d& f);
+  void add_noise(JointGaussian& joint, std::size_t h, const Matrix6d& q);
   void erase_alternative(std::size_t h);
   void merge_two(JointGaussian& joint, std::size_t a, std::size_t b, const ConditionalPose& at_a,
                  const ConditionalPose& at_b);

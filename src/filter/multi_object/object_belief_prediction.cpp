@@ -70,6 +70,37 @@ void ObjectBelief::rescale_slow_error(JointGaussian& joint, const ObjectSensor& 
   }
 }
 
+void ObjectBelief::approach_camera(JointGaussian& joint, std::size_t h, const Matrix6d& f) {
+  const Matrix6d own = Matrix6d::Identity() - f;
+  if (leads(h)) {
+    joint.activate(leader_->pose_index);
+    joint.combine({leader_->pose_index, own, kCamera, f});
+    return;
+  }
+  ConditionalPose& other = alternatives_[slot(h)].pose;
+  const Eigen::MatrixXd rig = joint.rig().topRows<6>();
+  Matrix12d a = Matrix12d::Identity();
+  a.topLeftCorner<6, 6>() = own;
+  Matrix12d with_camera = Matrix12d::Zero();
+  with_camera.leftCols<6>() = a * other.cross_covariance * f.transpose();
+  other.covariance = a * other.covariance * a.transpose() + with_camera + with_camera.transpose();
+  other.covariance.topLeftCorner<6, 6>() += f * rig.leftCols<6>() * f.transpose();
+  symmetrize(other.covariance);
+  other.cross_covariance = (a * other.cross_covariance).eval();
+  other.cross_covariance.topRows<6>() += f * rig.leftCols<6>();
+  if (other.extrinsics.cols() == 0) return;
+  other.extrinsics.topRows<6>() = (own * other.extrinsics.topRows<6>()).eval();
+  other.extrinsics.topRows<6>() += f * rig.rightCols(rig.cols() - 6);
+}
+
+void ObjectBelief::add_noise(JointGaussian& joint, std::size_t h, const Matrix6d& q) {
+  if (leads(h)) {
+    joint.add_noise(leader_->pose_index, q);
+  } else {
+    alternatives_[slot(h)].pose.covariance.topLeftCorner<6, 6>() += q;
+  }
+}
+
 void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& symmetries) {
   if (symmetries.axes().empty()) return;
   // Along the object's axes: P <- F P F^T + v U, where F takes the rotations about the axes away
@@ -80,13 +111,27 @@ void ObjectBelief::fix_unobserved(JointGaussian& joint, const SymmetryGroup& sym
     all.topLeftCorner<6, 6>() =
         object.adjoint() * symmetries.observed_projection() * object.inverse().adjoint();
     transform(joint, h, all);
-    const Matrix6d added =
-        kFixedAngle * object.adjoint_congruence(symmetries.unobserved_covariance());
-    if (leads(h)) {
-      joint.add_noise(leader_->pose_index, added);
-    } else {
-      alternatives_[slot(h)].pose.covariance.topLeftCorner<6, 6>() += added;
-    }
+    add_noise(joint, h,
+              kFixedAngle * object.adjoint_congruence(symmetries.unobserved_covariance()));
+  }
+}
+
+void ObjectBelief::fix_unobserved_beside_camera(JointGaussian& joint, const ObjectSensor& sensor) {
+  const SymmetryGroup& symmetries = sensor.symmetries;
+  if (symmetries.axes().empty()) return;
+  const NoiseComponent& inlier = sensor.noise.components().front();
+  for (std::size_t h = 0; h < size(); ++h) {
+    const DetectionState at = state(joint, h);
+    const NoiseAtPose noise = noise_at(inlier, at.camera_object());
+    const Matrix6d common =
+        at.common_part((at.camera * noise.axes).adjoint_congruence(noise.covariance));
+    const Matrix6d observed =
+        at.object.adjoint() * symmetries.observed_projection() * at.object.inverse().adjoint();
+    const Matrix6d f = (Matrix6d::Identity() - observed) * common;
+    const Matrix6d fixed =
+        kFixedAngle * at.object.adjoint_congruence(symmetries.unobserved_covariance());
+    approach_camera(joint, h, f);
+    add_noise(joint, h, f * fixed * f.transpose());
   }
 }
 

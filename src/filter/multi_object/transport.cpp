@@ -89,9 +89,9 @@ TransportMap PairTransport::of_other(const SE3d& from, SE3d& to) const {
   return map;
 }
 
-void JointGaussian::combine(const RigCoordinates& given) {
-  const Index at = offset(given.block);
-  const Index beside = offset(given.beside);
+void JointGaussian::combine(const BlockCoordinates& given) {
+  const Index at = first(given.block);
+  const Index beside = first(given.beside);
   const SixColumns columns = covariance_.middleCols<6>(at) * given.own.transpose() +
                              covariance_.middleCols<6>(beside) * given.other.transpose();
   covariance_.middleCols<6>(at) = columns;
@@ -101,12 +101,12 @@ void JointGaussian::combine(const RigCoordinates& given) {
   symmetrize(covariance_);
 }
 
-TransportMoments JointGaussian::transport_all(std::size_t camera, std::size_t object,
+TransportMoments JointGaussian::transport_all(std::size_t object,
                                               const KeptVector<std::optional<TransportMap>>& maps) {
   const Index n = rig_dof();
   const auto rig_rows = Eigen::seqN(Index{0}, n);
   std::vector<Index> y;
-  append_coordinates(y, first(camera));
+  append_coordinates(y, first(kCamera));
   append_coordinates(y, first(object));
   TransportMoments moments{.rig = rig(),
                            .rig_with_moved = {},
@@ -177,8 +177,8 @@ Transport::Transport(JointGaussian& joint, std::size_t object, const Observation
       is_needed_(is_whole &&
                  is_far_less_certain(state.difference(), inlier.noise, state.object.translation())),
       others_(std::move(others)) {
-  if (!is_needed_) return;
   if (source.camera) extrinsic_ = JointGaussian::extrinsic_block(*source.camera);
+  if (!is_needed_ && !extrinsic_) return;
   camera_part_ = state.common_part(inlier.noise);
   from_.reserve(joint.size());
   for (std::size_t i = 0; i < joint.size(); ++i) from_.push_back(joint.pose(i));
@@ -202,42 +202,28 @@ bool Transport::is_far() const {
   return false;
 }
 
-/// The camera that sees moves by the sum of what body and extrinsic move by, and the one of them
-/// that moved more has the pose that goes with it. With x = xi_C + Ad_C xi_E that of the camera,
-/// xi_C = x - Ad_C' xi_E or xi_E = Ad_C'^-1 (x - xi_C) where the body is at C'.
+/// The camera that sees moves by the sum of what body and extrinsic move by, and the body has the
+/// pose that goes with it.
 PoseMove Transport::move_of_camera() {
   const SE3d& body = from_[kCamera];
   if (!extrinsic_) return {body, joint_.pose(kCamera)};
   const SE3d& extrinsic = from_[*extrinsic_];
-  const Matrix6d before = body.adjoint();
   const Vector6d by_body = (joint_.pose(kCamera) * body.inverse()).log();
-  const Vector6d by_extrinsic = before * (joint_.pose(*extrinsic_) * extrinsic.inverse()).log();
+  const Vector6d by_extrinsic = (joint_.pose(*extrinsic_) * extrinsic.inverse()).log();
   const SE3d from = body * extrinsic;
-  const SE3d to = SE3d::exp(by_body + by_extrinsic) * from;
-  const auto way = [&](const Vector6d& by) {
-    return (SE3d::exp(by) * from).translation() - from.translation();
-  };
-  if (way(by_extrinsic).norm() > way(by_body).norm()) {
-    camera_block_ = *extrinsic_;
-    joint_.set_pose(*extrinsic_, joint_.pose(kCamera).inverse() * to);
-    const Matrix6d back = joint_.pose(kCamera).inverse().adjoint();
-    to_camera_ = {*extrinsic_, before, kCamera, Matrix6d::Identity()};
-    from_camera_ = {*extrinsic_, back, kCamera, -back};
-  } else {
-    joint_.set_pose(kCamera, to * joint_.pose(*extrinsic_).inverse());
-    to_camera_ = {kCamera, Matrix6d::Identity(), *extrinsic_, before};
-    from_camera_ = {kCamera, Matrix6d::Identity(), *extrinsic_, -joint_.pose(kCamera).adjoint()};
-  }
+  const SE3d to = SE3d::exp(by_body + body.adjoint() * by_extrinsic) * from;
+  joint_.set_pose(kCamera, to * joint_.pose(*extrinsic_).inverse());
   return {from, to};
 }
 
 void Transport::follow() {
-  if (!is_needed_ || !is_far()) return;
+  if (!is_needed_ && !extrinsic_) return;
   const PoseMove camera = move_of_camera();
+  if (!is_needed_ || !is_far()) return;
   const PairTransport pair(camera, {from_[object_], joint_.pose(object_)}, camera_part_);
   maps_.resize(joint_.size());
-  if (!range_.has(camera.from, camera.to, joint_.rotation_variance(camera_block_)))
-    maps_[camera_block_] = pair.of_camera();
+  if (!range_.has(camera.from, camera.to, joint_.rotation_variance(kCamera)))
+    maps_[kCamera] = pair.of_camera();
   follow_in_joint(pair);
   others_maps_.resize(others_.size());
   for (std::size_t k = 0; k < others_.size(); ++k) {
@@ -250,7 +236,7 @@ void Transport::follow() {
 void Transport::follow_in_joint(const PairTransport& pair) {
   bool is_passive = false;
   for (std::size_t i = 0; i < joint_.size(); ++i) {
-    if (i == camera_block_ || !joint_.is_in_world(i) ||
+    if (i == kCamera || !joint_.is_in_world(i) ||
         range_.has(from_[i], joint_.pose(i), joint_.rotation_variance(i)))
       continue;
     is_passive = is_passive || !joint_.is_active(i);
@@ -265,28 +251,27 @@ void Transport::follow_in_joint(const PairTransport& pair) {
   if (is_passive) joint_.activate_all();
 }
 
-void Transport::combine(const RigCoordinates& given) {
-  joint_.combine(given);
-  const auto columns = [](MatrixXd& m, std::size_t block) {
-    return m.middleCols<6>(offset(block));
-  };
-  for (ConditionalPose* other : others_) {
-    MatrixXd cross = with_rig(*other, joint_.rig().rows());
-    const Matrix12x6d next = columns(cross, given.block) * given.own.transpose() +
-                             columns(cross, given.beside) * given.other.transpose();
-    columns(cross, given.block) = next;
-    set_with_rig(cross, *other);
-  }
+/// xi_C + `sign` Ad_C xi_E in place of xi_C: with 1 the error of the camera that sees, and with -1
+/// that of the body again, where the body is at C.
+void Transport::add_extrinsic(const SE3d& body, double sign) {
+  const Matrix6d by = sign * body.adjoint();
+  joint_.combine({kCamera, Matrix6d::Identity(), *extrinsic_, by});
+  const Index column = offset(*extrinsic_) - kPoseDof;
+  for (ConditionalPose* other : others_)
+    other->cross_covariance += other->extrinsics.middleCols<6>(column) * by.transpose();
 }
 
-void Transport::apply() {
-  if (maps_.empty()) return;
-  if (extrinsic_) combine(to_camera_);
-  const TransportMoments moments = joint_.transport_all(camera_block_, object_, maps_);
+void Transport::transport_covariances() {
+  const TransportMoments moments = joint_.transport_all(object_, maps_);
   const RegularFactor rig(moments.rig);
   for (std::size_t k = 0; k < others_.size(); ++k)
     transport_pose(*others_[k], others_maps_[k].value_or(TransportMap()), moments, rig);
-  if (extrinsic_) combine(from_camera_);
+}
+
+void Transport::apply() {
+  if (extrinsic_) add_extrinsic(from_[kCamera], 1.0);
+  if (!maps_.empty()) transport_covariances();
+  if (extrinsic_) add_extrinsic(joint_.pose(kCamera), -1.0);
 }
 
 }  // namespace posemix::internal

@@ -97,17 +97,17 @@ struct TransportMoments {
 void transport_pose(ConditionalPose& pose, const TransportMap& map, const TransportMoments& moments,
                     const RegularFactor& rig);
 
-/// The coordinates x of the camera or of an extrinsic become own x + other x_beside, where `beside`
-/// is another block of them.
-struct RigCoordinates {
+/// The coordinates x of a block become own x + other x_beside, where `beside` is another block.
+struct BlockCoordinates {
   std::size_t block = 0;
   Matrix6d own = Matrix6d::Identity();
   std::size_t beside = 0;
   Matrix6d other = Matrix6d::Zero();
 };
 
-/// The transport of everything after an update. Made before the update, which gets the poses by
-/// reference: those of the joint Gaussian, and those that depend on it through the camera.
+/// The transport of everything after an update, and on a rig the coordinates of body and extrinsic
+/// where they are then. Made before the update, which gets the poses by reference: those of the
+/// joint Gaussian, and those that depend on it through the camera.
 class Transport {
  public:
   /// `object` is the index of the one that is detected, by `source`; `state` is that of its leading
@@ -117,7 +117,8 @@ class Transport {
             const DetectionState& state, const Innovation& inlier,
             KeptVector<ConditionalPose*> others, bool is_whole);
 
-  /// The poses have moved: those that moved with camera or object beyond the linear range move on.
+  /// The poses have moved: the camera that sees has the pose of its sum, and those that moved with
+  /// camera or object beyond the linear range move on.
   void follow();
   /// Transports the covariances.
   void apply();
@@ -126,7 +127,8 @@ class Transport {
   bool is_far() const;
   PoseMove move_of_camera();
   void follow_in_joint(const PairTransport& pair);
-  void combine(const RigCoordinates& coordinates);
+  void add_extrinsic(const SE3d& body, double sign);
+  void transport_covariances();
 
   JointGaussian& joint_;
   std::size_t object_;
@@ -138,11 +140,6 @@ class Transport {
   KeptVector<SE3d> from_;  ///< by block of the joint Gaussian
   KeptVector<ConditionalPose*> others_;
   KeptVector<SE3d> others_from_;
-  /// The block that has the coordinates of the camera that sees while covariances are transported:
-  /// of body and extrinsic the one that moved more; and how they go there and back.
-  std::size_t camera_block_ = 0;
-  RigCoordinates to_camera_;
-  RigCoordinates from_camera_;
   /// None where the coordinates stay.
   KeptVector<std::optional<TransportMap>> maps_;
   KeptVector<std::optional<TransportMap>> others_maps_;
