@@ -78,19 +78,20 @@ void ObjectBelief::approach_camera(JointGaussian& joint, std::size_t h, const Ma
     return;
   }
   ConditionalPose& other = alternatives_[slot(h)].pose;
-  const Eigen::MatrixXd rig = joint.rig().topRows<6>();
+  const auto rig = joint.rig();
+  const Matrix6d camera = rig.topLeftCorner<6, 6>();
   Matrix12d a = Matrix12d::Identity();
   a.topLeftCorner<6, 6>() = own;
   Matrix12d with_camera = Matrix12d::Zero();
   with_camera.leftCols<6>() = a * other.cross_covariance * f.transpose();
   other.covariance = a * other.covariance * a.transpose() + with_camera + with_camera.transpose();
-  other.covariance.topLeftCorner<6, 6>() += f * rig.leftCols<6>() * f.transpose();
+  other.covariance.topLeftCorner<6, 6>() += f * camera * f.transpose();
   symmetrize(other.covariance);
   other.cross_covariance = (a * other.cross_covariance).eval();
-  other.cross_covariance.topRows<6>() += f * rig.leftCols<6>();
+  other.cross_covariance.topRows<6>() += f * camera;
   if (other.extrinsics.cols() == 0) return;
   other.extrinsics.topRows<6>() = (own * other.extrinsics.topRows<6>()).eval();
-  other.extrinsics.topRows<6>() += f * rig.rightCols(rig.cols() - 6);
+  other.extrinsics.topRows<6>() += f * rig.topRows<6>().rightCols(rig.cols() - 6);
 }
 
 void ObjectBelief::add_noise(JointGaussian& joint, std::size_t h, const Matrix6d& q) {

@@ -92,11 +92,15 @@ TransportMap PairTransport::of_other(const SE3d& from, SE3d& to) const {
 void JointGaussian::combine(const BlockCoordinates& given) {
   const Index at = first(given.block);
   const Index beside = first(given.beside);
-  const SixColumns columns = covariance_.middleCols<6>(at) * given.own.transpose() +
-                             covariance_.middleCols<6>(beside) * given.other.transpose();
+  KeptMatrix<6> kept_columns(covariance_.rows());
+  auto columns = kept_columns.get();
+  columns.noalias() = covariance_.middleCols<6>(at) * given.own.transpose();
+  columns.noalias() += covariance_.middleCols<6>(beside) * given.other.transpose();
   covariance_.middleCols<6>(at) = columns;
-  const MatrixXd rows =
-      given.own * covariance_.middleRows<6>(at) + given.other * covariance_.middleRows<6>(beside);
+  KeptMatrix<> kept_rows(kPoseDof, covariance_.cols());
+  auto rows = kept_rows.get();
+  rows.noalias() = given.own * covariance_.middleRows<6>(at);
+  rows.noalias() += given.other * covariance_.middleRows<6>(beside);
   covariance_.middleRows<6>(at) = rows;
   symmetrize(covariance_);
 }
