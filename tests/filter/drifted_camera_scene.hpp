@@ -56,10 +56,13 @@ class TagTrip {
   /// With the camera that is the body itself.
   void see_exactly(std::size_t tag) { filter_.update(tag, seen(camera_.inverse() * tags_[tag])); }
   void go(const SE3d& motion, double rotation_sd_deg, double position_sd_m) {
-    const Matrix6d q = isotropic(rotation_sd_deg, position_sd_m);
+    go(motion, isotropic(rotation_sd_deg, position_sd_m));
+  }
+  void go(const SE3d& motion, const Matrix6d& q) {
     camera_ = camera_ * motion;
     filter_.predict_with_odometry(motion * SE3d::exp(draw(q, stream_)).inverse(), q, 0.1);
   }
+  const SE3d& camera() const { return camera_; }
   SE3d any_turn() { return SE3d::exp(6.28 * stream_.uniform() * Vector6d::Unit(2)); }
   double camera_nees() const { return nees_of(camera_, filter_.camera()) / 6.0; }
   double extrinsic_nees() const {

@@ -212,6 +212,18 @@ void widen_by_run(double run_length, Innovation& seen) {
   seen.covariance += run;
 }
 
+/// No detection tells the angle about an axis of symmetry: as that of a uniform angle, which is
+/// right for the weight of one detection, the information of many would add up.
+void leave_unobserved(const DetectionState& state, const SymmetryGroup& symmetries,
+                      Innovation& seen) {
+  constexpr double kOverUniform = 1e4;
+  if (symmetries.axes().empty()) return;
+  const Matrix6d free =
+      kOverUniform * state.object.adjoint_congruence(symmetries.unobserved_covariance());
+  seen.noise += free;
+  seen.covariance += free;
+}
+
 /// The innovation of one component of an observation under one of the noise, with its evidence,
 /// eq. (3): e_c = log w_c + log N(z_c; 0, S_c).
 Evidence add_innovation(const DetectionState& state, const ObservationComponent& observed,
@@ -223,6 +235,7 @@ Evidence add_innovation(const DetectionState& state, const ObservationComponent&
       std::log(8.0 * std::numbers::pi * std::numbers::pi * sensor.noise.clutter().volume_m3);
   const Evidence evidence = evidence_of(state, seen, component.run_length, slow, log_volume);
   widen_by_run(component.run_length, seen);
+  leave_unobserved(state, sensor.symmetries, seen);
   return evidence;
 }
 
@@ -262,6 +275,7 @@ Innovation innovation_of(const DetectionState& state, const ObservationComponent
                          const NoiseComponent& component, const ObjectSensor& sensor) {
   Innovation seen = innovation_alone(state, observed, component, sensor);
   widen_by_run(component.run_length, seen);
+  leave_unobserved(state, sensor.symmetries, seen);
   return seen;
 }
 
