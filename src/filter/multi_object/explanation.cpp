@@ -213,13 +213,17 @@ void widen_by_run(double run_length, Innovation& seen) {
 }
 
 /// No detection tells the angle about an axis of symmetry: as that of a uniform angle, which is
-/// right for the weight of one detection, the information of many would add up.
+/// right for the weight of one detection, the information of many would add up. Beside a variance
+/// that is 1e12 times larger a sharp one is still told from rounding.
 void leave_unobserved(const DetectionState& state, const SymmetryGroup& symmetries,
                       Innovation& seen) {
-  constexpr double kOverUniform = 1e4;
+  constexpr double kMost = 1e4;
+  constexpr double kOverSharpest = 1e12;
   if (symmetries.axes().empty()) return;
+  const double larger = std::min(kMost, kOverSharpest * seen.white.diagonal().minCoeff()) - 1.0;
+  if (!(larger > 0.0)) return;
   const Matrix6d free =
-      kOverUniform * state.object.adjoint_congruence(symmetries.unobserved_covariance());
+      larger * state.object.adjoint_congruence(symmetries.unobserved_covariance());
   seen.noise += free;
   seen.covariance += free;
 }
