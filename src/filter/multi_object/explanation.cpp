@@ -217,7 +217,7 @@ void widen_by_run(double run_length, Innovation& seen) {
 /// that is 1e12 times larger a sharp one is still told from rounding.
 void leave_unobserved(const DetectionState& state, const SymmetryGroup& symmetries,
                       Innovation& seen) {
-  constexpr double kMost = 1e4;
+  constexpr double kMost = 1e3;
   constexpr double kOverSharpest = 1e12;
   if (symmetries.axes().empty()) return;
   const double larger = std::min(kMost, kOverSharpest * seen.white.diagonal().minCoeff()) - 1.0;
