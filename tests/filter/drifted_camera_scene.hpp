@@ -146,7 +146,7 @@ struct NeesSummary {
   double mean() const { return sum / static_cast<double>(count); }
 };
 
-inline void expect_consistent(std::initializer_list<NeesSummary> all) {
+inline void expect_true_nees(std::initializer_list<NeesSummary> all) {
   for (const NeesSummary& nees : all) {
     EXPECT_GT(nees.mean(), 0.6);
     EXPECT_LT(nees.mean(), 1.5);

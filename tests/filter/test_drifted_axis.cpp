@@ -13,7 +13,7 @@
 namespace posemix {
 namespace {
 
-using testing::expect_consistent;
+using testing::expect_true_nees;
 using testing::isotropic;
 using testing::NeesSummary;
 using testing::pose;
@@ -53,7 +53,7 @@ void expect_true(double drift_deg, const ObjectSensor& symmetric, int detections
     }
     after.add(trip.camera_nees());
   }
-  expect_consistent({before, after});
+  expect_true_nees({before, after});
 }
 
 TEST(DriftedCameraAndAxis, ANewBottleTellsNothingOfTheCamera) {
@@ -98,7 +98,7 @@ void expect_unknown_turn(double drift_deg, const DetectorNoise& noise) {
     camera.add(trip.camera_nees());
     EXPECT_GT(largest_rotation_sd_deg(trip), 0.4 * drift_deg) << seed;
   }
-  expect_consistent({camera});
+  expect_true_nees({camera});
 }
 
 TEST(DriftedCameraAndAxis, AKnownBottleTellsNothingOfATurnAboutIt) {

@@ -12,7 +12,7 @@ namespace posemix {
 namespace {
 
 using testing::draw;
-using testing::expect_consistent;
+using testing::expect_true_nees;
 using testing::isotropic;
 using testing::NeesSummary;
 using testing::pose;
@@ -74,7 +74,7 @@ TEST_P(DriftedCamera, TellsWhereItIsAndWhatItSawSince) {
   const CameraDrift& drift = GetParam();
   const DriftNees nees =
       of_drift(drift.rotation_deg, drift.position_m, sharp_tag_noise(drift.tag_m, drift.volume_m3));
-  expect_consistent({nees.camera, nees.tag, nees.seen, nees.all});
+  expect_true_nees({nees.camera, nees.tag, nees.seen, nees.all});
 }
 
 /// Detections to the same position in all directions.
@@ -107,7 +107,7 @@ TEST(DriftedCamera, WithATypicalDetectorKnowsWhatItSaw) {
     SCOPED_TRACE(position_m);
     const DetectorNoise noise = sharp_tag_noise(Eigen::Vector3d::Constant(3e-3), 1e4, true);
     const DriftNees nees = of_drift(1.0, position_m, noise);
-    expect_consistent({nees.camera, nees.tag, nees.seen, nees.all_seen, nees.beside});
+    expect_true_nees({nees.camera, nees.tag, nees.seen, nees.all_seen, nees.beside});
   }
 }
 
