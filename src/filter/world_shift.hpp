@@ -52,6 +52,11 @@ class WorldShift {
   Eigen::Matrix3d lever_;
 };
 
+/// Where a world has its origin that had it at `origin` and has its camera there.
+inline Eigen::Vector3d origin_near(const Eigen::Vector3d& camera, const Eigen::Vector3d& origin) {
+  return (camera - origin).norm() > kFarFromOrigin_m ? camera : origin;
+}
+
 /// To a world whose origin is at a pose that is far from the origin; else none.
 inline WorldShift shift_near(const SE3d& pose) {
   const Eigen::Vector3d& place = pose.translation();

@@ -18,7 +18,6 @@
 #include "slam/semidefinite.hpp"
 
 namespace posemix {
-namespace {}  // namespace
 
 bool is_static(const MotionModels& motion) {
   return std::ranges::all_of(motion.models, [](const ObjectMotion& model) {

@@ -15,7 +15,7 @@
 namespace posemix {
 
 /// Version of the bytes; it grows whenever they change.
-inline constexpr std::uint32_t kStateFormat = 5;
+inline constexpr std::uint32_t kStateFormat = 6;
 
 /// The state of a tracker, with its models and settings: what goes on from it has the same bits as
 /// what was never stopped. The same state always has the same bytes; measured times

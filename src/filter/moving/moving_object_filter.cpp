@@ -126,30 +126,19 @@ MovingObjectEstimate MovingObjectFilter::estimate_at(double time_s,
 
 Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::object_mixture() const {
   require(state_->has_hypotheses(), "object_mixture: the place of the object is not known");
-  return Mixture<ConcentratedGaussian<SE3d>>(state_->components(state_->constant_covariance()));
+  return Mixture<ConcentratedGaussian<SE3d>>(state_->components());
 }
 
 Mixture<ConcentratedGaussian<SE3d>> MovingObjectFilter::relative_mixture(
     const KnownCamera& camera) const {
   require(state_->has_hypotheses(), "relative_mixture: the place of the object is not known");
-  const KnownFrame frame = checked(camera.frame, "the camera");
-  auto components = state_->components(frame.covariance);
-  const SE3d to_camera = frame.pose.inverse();
-  for (auto& component : components) {
-    component.density = ConcentratedGaussian<SE3d>::trusted(
-        to_camera * component.density.mean(),
-        to_camera.adjoint_congruence(component.density.covariance()));
-  }
-  return Mixture<ConcentratedGaussian<SE3d>>(std::move(components));
+  return Mixture<ConcentratedGaussian<SE3d>>(
+      state_->relative_components(checked(camera.frame, "the camera")));
 }
 
 ConcentratedGaussian<SE3d> MovingObjectFilter::relative(const KnownCamera& camera) const {
   require(state_->has_hypotheses(), "relative: the place of the object is not known");
-  const KnownFrame frame = checked(camera.frame, "the camera");
-  const ConcentratedGaussian<SE3d> world = state_->leading(frame.covariance);
-  const SE3d to_camera = frame.pose.inverse();
-  return ConcentratedGaussian<SE3d>::trusted(to_camera * world.mean(),
-                                             to_camera.adjoint_congruence(world.covariance()));
+  return state_->relative(checked(camera.frame, "the camera"));
 }
 
 ConcentratedGaussian<SE3d> MovingObjectFilter::predicted_detection(

@@ -178,7 +178,8 @@ MotionPrediction MovingObjectState::predicted(const PlacedObject& object, std::s
                           attached && frame_of(model) ? moved[attached->frame] : SE3d());
 }
 
-void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& frames) {
+void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& given) {
+  const std::vector<KnownFrame> frames = internal::moved(given, to_scene());
   const double dt = time_s_ ? time_s - *time_s_ : 0.0;
   if (dt > 0.0) {
     const std::vector<SE3d> moved = frame_motions(frames);
@@ -200,27 +201,6 @@ void MovingObjectState::advance(double time_s, const std::vector<KnownFrame>& fr
   frames_.resize(std::max(frames_.size(), frames.size()));
   std::copy(frames.begin(), frames.end(), frames_.begin());
   time_s_ = time_s;
-}
-
-void MovingObjectState::move_world(const SE3d& by, const Matrix6d& added,
-                                   const Matrix6d& constant) {
-  Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = by.rotation().matrix();
-  for (MovingHypothesis& hypothesis : hypotheses_) {
-    for (std::size_t k = 0; k < model_count(); ++k) {
-      PlacedObject& object = hypothesis.objects[k];
-      object.pose = by * object.pose;
-      Matrix18d f = Matrix18d::Identity();
-      f.topLeftCorner<6, 6>() = by.adjoint();
-      if (twist_frame(models_.models[k]) == MotionFrame::world) {
-        f.block<6, 6>(kTwistRow, kTwistRow) = turn;
-        object.twist = (turn * object.twist).eval();
-      }
-      object.transform(f);
-      object.covariance.topLeftCorner<6, 6>() += added;
-    }
-  }
-  constant_ = constant;
 }
 
 void MovingObjectState::decay_slow_errors(const KnownFrame& camera, double dt) {

@@ -92,22 +92,6 @@ BackwardFlow flow_of(const std::vector<MovingHypothesis>& before, const StepTrac
 
 }  // namespace
 
-StepRecord MovingObjectState::record() const {
-  return {.time_s = time_s_.value_or(0.0),
-          .belief = {hypotheses_, lost_},
-          .frames = frames_,
-          .constant = constant_,
-          .trace = trace_.value_or(StepTrace{})};
-}
-
-void MovingObjectState::restore(const StepRecord& record, const MovingBelief& belief) {
-  hypotheses_ = belief.hypotheses;
-  lost_ = belief.lost;
-  frames_ = record.frames;
-  constant_ = record.constant;
-  time_s_ = record.time_s;
-}
-
 void MovingObjectState::trace_weights(const std::vector<MovingHypothesis>& births) {
   if (!trace_) return;
   for (const auto* list : {&std::as_const(hypotheses_), &births})
@@ -217,8 +201,8 @@ void MovingObjectState::go_back(const MovingHypothesis& hypothesis,
   }
 }
 
-MovingBelief MovingObjectState::pulled_back(const StepRecord& next,
-                                            const MovingBelief& after) const {
+MovingBelief MovingObjectState::pulled_back_here(const StepRecord& next,
+                                                 const MovingBelief& after) const {
   const auto models = static_cast<Eigen::Index>(model_count());
   const double dt = next.time_s - *time_s_;
   const Eigen::MatrixXd transition =

@@ -20,9 +20,8 @@ Matrix6d MovingObjectState::reported_covariance(const PlacedObject& object, std:
   return covariance;
 }
 
-std::vector<Component<ConcentratedGaussian<SE3d>>> MovingObjectState::components(
-    const Matrix6d& added) const {
-  std::vector<Component<ConcentratedGaussian<SE3d>>> result;
+MovingObjectState::Components MovingObjectState::components_here(const Matrix6d& added) const {
+  Components result;
   for (const MovingHypothesis& hypothesis : hypotheses_) {
     const Eigen::ArrayXd weights = hypothesis.weights.by_model();
     for (std::size_t k = 0; k < model_count(); ++k) {
@@ -32,6 +31,34 @@ std::vector<Component<ConcentratedGaussian<SE3d>>> MovingObjectState::components
       result.push_back({std::log(weight), ConcentratedGaussian<SE3d>::trusted(
                                               object.pose, reported_covariance(object, k, added))});
     }
+  }
+  return result;
+}
+
+MovingObjectState::Components MovingObjectState::components() const {
+  Components result = components_here(constant_);
+  for (auto& component : result) component.density = to_world()(component.density);
+  return result;
+}
+
+namespace {
+
+ConcentratedGaussian<SE3d> seen_from(const KnownFrame& camera, const SE3d& pose,
+                                     const Matrix6d& covariance) {
+  const SE3d to_camera = camera.pose.inverse();
+  return ConcentratedGaussian<SE3d>::trusted(to_camera * pose,
+                                             to_camera.adjoint_congruence(covariance));
+}
+
+}  // namespace
+
+MovingObjectState::Components MovingObjectState::relative_components(
+    const KnownFrame& camera) const {
+  const KnownFrame here = moved(camera, to_scene());
+  Components result = components_here(here.covariance);
+  for (auto& component : result) {
+    const ConcentratedGaussian<SE3d>& world = component.density;
+    component.density = seen_from(here, world.mean(), world.covariance());
   }
   return result;
 }
@@ -63,12 +90,14 @@ PlacedObject MovingObjectState::reported(const MovingHypothesis& hypothesis,
   return mixed(parts);
 }
 
-ConcentratedGaussian<SE3d> MovingObjectState::leading(const Matrix6d& added) const {
-  const PlacedObject object = reported(*leader(), added);
-  return ConcentratedGaussian<SE3d>::trusted(object.pose, object.pose_covariance());
+ConcentratedGaussian<SE3d> MovingObjectState::relative(const KnownFrame& camera) const {
+  const KnownFrame here = moved(camera, to_scene());
+  const PlacedObject object = reported(*leader(), here.covariance);
+  return seen_from(here, object.pose, object.pose_covariance());
 }
 
-ConcentratedGaussian<SE3d> MovingObjectState::predicted_detection(const KnownFrame& camera) const {
+ConcentratedGaussian<SE3d> MovingObjectState::predicted_detection(const KnownFrame& given) const {
+  const KnownFrame camera = moved(given, to_scene());
   const MovingHypothesis& hypothesis = *leader();
   const Eigen::ArrayXd weights = hypothesis.weights.by_model();
   std::vector<PlacedObject> seen;
@@ -88,9 +117,7 @@ ConcentratedGaussian<SE3d> MovingObjectState::predicted_detection(const KnownFra
       parts.push_back({part, &seen[k]});
   }
   const PlacedObject object = mixed(parts);
-  const SE3d to_camera = camera.pose.inverse();
-  return ConcentratedGaussian<SE3d>::trusted(
-      to_camera * object.pose, to_camera.adjoint_congruence(object.pose_covariance()));
+  return seen_from(camera, object.pose, object.pose_covariance());
 }
 
 MovingObjectEstimate MovingObjectState::estimate() const {
@@ -109,7 +136,8 @@ MovingObjectEstimate MovingObjectState::estimate() const {
       of_models.push_back(weights[static_cast<Eigen::Index>(k)] / total);
     const PlacedObject object = reported(hypothesis, constant_);
     result.hypotheses.push_back(
-        {.world = ConcentratedGaussian<SE3d>::trusted(object.pose, object.pose_covariance()),
+        {.world =
+             to_world()(ConcentratedGaussian<SE3d>::trusted(object.pose, object.pose_covariance())),
          .twist = object.twist,
          .twist_covariance = object.covariance.block<6, 6>(kTwistRow, kTwistRow),
          .probability = total,

@@ -49,9 +49,7 @@ MovingObjectFilter MovingObjectSmoother::predicted(double time_s,
 }
 
 void MovingObjectSmoother::keep_record(const Matrix6d& change) {
-  internal::StepRecord record = filter_.state_->record();
-  record.change = change;
-  records_.push_back(std::make_shared<internal::StepRecord>(std::move(record)));
+  records_.push_back(std::make_shared<internal::StepRecord>(filter_.state_->record(change)));
   if (most_steps_ && records_.size() > *most_steps_) records_.pop_front();
 }
 

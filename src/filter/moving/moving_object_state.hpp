@@ -83,8 +83,17 @@ struct StepRecord {
   Matrix6d constant;
   StepTrace trace;
   Matrix6d change = Matrix6d::Zero();  ///< covariance, of the error of the camera's pose
+  Eigen::Vector3d origin =
+      Eigen::Vector3d::Zero();  ///< of all that, in the world of the caller [m]
 };
 
+Matrix6d moved(const Matrix6d& covariance, const WorldShift& shift);
+KnownFrame moved(const KnownFrame& frame, const WorldShift& shift);
+std::vector<KnownFrame> moved(std::vector<KnownFrame> frames, const WorldShift& shift);
+
+/// The posterior of one object that moves, in a world whose origin is near the scene ("Far from the
+/// origin" of docs/many-objects.md). What is given, and what is reported, is in the world of the
+/// caller.
 class MovingObjectState {
  public:
   MovingObjectState(ObjectSensor sensor, MotionModels models, const MovingObjectSettings& settings);
@@ -94,12 +103,13 @@ class MovingObjectState {
   MovingObjectReport update(const Observation& observation, const KnownCamera& camera);
 
   MovingObjectEstimate estimate() const;
-  /// Components of the density given that the place is known; `added` is the world-frame covariance
-  /// of what is not estimated and the same at every pose.
-  std::vector<Component<ConcentratedGaussian<SE3d>>> components(const Matrix6d& added) const;
-
-  /// The most probable hypothesis, over all models; `added` as for components.
-  ConcentratedGaussian<SE3d> leading(const Matrix6d& added) const;
+  using Components = std::vector<Component<ConcentratedGaussian<SE3d>>>;
+  /// Components of the density given that the place is known.
+  Components components() const;
+  /// The same from a camera.
+  Components relative_components(const KnownFrame& camera) const;
+  /// The most probable hypothesis, over all models, from a camera.
+  ConcentratedGaussian<SE3d> relative(const KnownFrame& camera) const;
   ConcentratedGaussian<SE3d> predicted_detection(const KnownFrame& camera) const;
   void move_world(const SE3d& by, const Matrix6d& added, const Matrix6d& constant);
 
@@ -109,7 +119,7 @@ class MovingObjectState {
   std::optional<double> time_s() const { return time_s_; }
   std::uint64_t observations() const { return observations_; }
   bool has_hypotheses() const { return !hypotheses_.empty(); }
-  const Matrix6d& constant_covariance() const { return constant_; }
+  Matrix6d constant_covariance() const { return moved(constant_, to_world()); }
   /// Number of frames that the models name.
   std::size_t frames_needed() const;
 
@@ -117,8 +127,9 @@ class MovingObjectState {
   void trace() { trace_.emplace(); }
   /// The trace of a step without an observation.
   void trace_prediction();
-  /// The posterior, with the trace of the last update.
-  StepRecord record() const;
+  /// The posterior, with the trace of the last update, before which the error of the camera's pose
+  /// had become another one with the covariance `change`.
+  StepRecord record(const Matrix6d& change) const;
   /// The posterior becomes that of a record, with the hypotheses and weights of `belief`.
   void restore(const StepRecord& record, const MovingBelief& belief);
   /// Given all that comes later, the belief at the time of this posterior from that at the time of
@@ -136,9 +147,15 @@ class MovingObjectState {
 
   using Evidence = std::vector<std::vector<ModeEvidence>>;  ///< by hypothesis and model
 
-  /// update() in a world whose origin is near the scene.
+  WorldShift to_world() const { return WorldShift(origin_); }
+  WorldShift to_scene() const { return WorldShift(-origin_); }
+  void move_origin_to(const Eigen::Vector3d& origin);
+  /// update() and pulled_back() in the world of this state.
   MovingObjectReport update_here(const Observation& observation, const KnownCamera& camera);
-  void move_origin(const WorldShift& shift);
+  MovingBelief pulled_back_here(const StepRecord& next, const MovingBelief& after) const;
+  /// Components in that world; `added` is the covariance of what is not estimated and the same at
+  /// every pose.
+  Components components_here(const Matrix6d& added) const;
 
   std::size_t model_count() const { return models_.models.size(); }
   /// The frame that holds the object by a model; none for models without.
@@ -296,6 +313,8 @@ class MovingObjectState {
   ModeWeights lost_;  ///< the place is not known
   std::vector<KnownFrame> frames_;
   Matrix6d constant_ = Matrix6d::Zero();  ///< constant error of the camera
+  Eigen::Vector3d origin_ =
+      Eigen::Vector3d::Zero();  ///< of all that, in the world of the caller [m]
   std::optional<double> time_s_;
   std::optional<double> seen_s_;  ///< time of the last observation
   std::uint64_t observations_ = 0;

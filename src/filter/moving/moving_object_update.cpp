@@ -13,12 +13,6 @@
 namespace posemix::internal {
 namespace {
 
-KnownFrame moved(const KnownFrame& frame, const WorldShift& shift) {
-  KnownFrame result{.pose = shift(frame.pose), .covariance = shift(frame.covariance)};
-  symmetrize(result.covariance);
-  return result;
-}
-
 constexpr double kImpossible = -std::numeric_limits<double>::infinity();
 
 }  // namespace
@@ -217,36 +211,6 @@ void MovingObjectState::describe(const ModeEvidence& seen, MovingObjectReport& r
   report.residual =
       Vector6d(to_axes.adjoint_blocks().times(best->residual))
           .cwiseQuotient(to_axes.adjoint_congruence(best->covariance).diagonal().cwiseSqrt());
-}
-
-void MovingObjectState::move_origin(const WorldShift& shift) {
-  for (MovingHypothesis& hypothesis : hypotheses_) {
-    for (PlacedObject& object : hypothesis.objects) {
-      object.pose = shift(object.pose);
-      shift.move_rows(object.covariance.topRows<6>());
-      shift.move_columns(object.covariance.leftCols<6>());
-      symmetrize(object.covariance);
-    }
-  }
-  for (KnownFrame& frame : frames_) frame = moved(frame, shift);
-}
-
-/// Far from the origin covariances of small errors are differences of large numbers, of which an
-/// update would lose the most.
-MovingObjectReport MovingObjectState::update(const Observation& given, const KnownCamera& camera) {
-  const WorldShift to_scene = shift_near(camera.frame.pose);
-  if (to_scene.is_none()) return update_here(given, camera);
-  const std::vector<KnownFrame> frames = frames_;
-  move_origin(to_scene);
-  const MovingObjectReport report = update_here(
-      given, {.frame = moved(camera.frame, to_scene),
-              .constant_covariance =
-                  moved({.covariance = camera.constant_covariance}, to_scene).covariance});
-  move_origin(to_scene.inverse());
-  frames_ = frames;
-  constant_ = camera.constant_covariance;
-  if (trace_) trace_->camera = camera.frame;
-  return report;
 }
 
 MovingObjectReport MovingObjectState::update_here(const Observation& given,

@@ -54,10 +54,10 @@ struct StateFields<MovingObjectState> {
   static MovingObjectState blank() { return {blank_state<ObjectSensor>(), {}, {}}; }
   static auto tie(auto& x) {
     auto& [models, settings, detector, modes, generator, explained, merge_bounds, hypotheses, lost,
-           frames, constant, time_s, seen_s, observations, next_id, trace] = x;
+           frames, constant, origin, time_s, seen_s, observations, next_id, trace] = x;
     return std::tie(models, settings, detector, modes, generator, explained, merge_bounds,
-                    hypotheses, lost, frames, constant, time_s, seen_s, observations, next_id,
-                    trace);
+                    hypotheses, lost, frames, constant, origin, time_s, seen_s, observations,
+                    next_id, trace);
   }
   static void validate(const MovingObjectState& x) {
     const auto models = static_cast<Eigen::Index>(x.models_.models.size());
@@ -83,6 +83,7 @@ struct StateFields<MovingObjectState> {
         (!x.time_s_ || std::isfinite(*x.time_s_)) && (!x.seen_s_ || std::isfinite(*x.seen_s_)),
         "times that are finite");
     require_covariance(x.constant_, 6);
+    require_state(x.origin_.allFinite(), "an origin that is finite");
   }
 };
 

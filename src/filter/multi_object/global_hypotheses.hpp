@@ -13,9 +13,6 @@
 
 namespace posemix::internal {
 
-/// Where a world has its origin that had it at `origin` and has its camera there.
-Eigen::Vector3d origin_near(const Eigen::Vector3d& camera, const Eigen::Vector3d& origin);
-
 /// The weights of two cases divided by their sum, which is returned.
 LogTotals normalise_pair(LogTotals& a, LogTotals& b);
 

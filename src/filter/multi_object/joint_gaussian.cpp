@@ -176,13 +176,20 @@ void JointGaussian::add_noise(std::size_t index, const Matrix6d& q) {
   covariance_.block<6, 6>(first(index), first(index)) += q;
 }
 
-void JointGaussian::move_camera_by(std::size_t motion, const Matrix6d& transfer) {
-  KeptMatrix<> added_rows(kPoseDof, covariance_.cols());
-  added_rows.get().noalias() = transfer * covariance_.middleRows<6>(first(motion));
-  rows(covariance_, kCamera) += added_rows.get();
-  KeptMatrix<6> added_columns(covariance_.rows());
-  added_columns.get().noalias() = covariance_.middleCols<6>(first(motion)) * transfer.transpose();
-  columns(covariance_, kCamera) += added_columns.get();
+void JointGaussian::combine(const BlockCoordinates& given) {
+  const Index at = first(given.block);
+  const Index beside = first(given.beside);
+  KeptMatrix<6> kept_columns(covariance_.rows());
+  auto columns = kept_columns.get();
+  columns.noalias() = covariance_.middleCols<6>(at) * given.own.transpose();
+  columns.noalias() += covariance_.middleCols<6>(beside) * given.other.transpose();
+  covariance_.middleCols<6>(at) = columns;
+  KeptMatrix<> kept_rows(kPoseDof, covariance_.cols());
+  auto rows = kept_rows.get();
+  rows.noalias() = given.own * covariance_.middleRows<6>(at);
+  rows.noalias() += given.other * covariance_.middleRows<6>(beside);
+  covariance_.middleRows<6>(at) = rows;
+  symmetrize(covariance_);
 }
 
 Vector6d JointGaussian::move_active(const Eigen::VectorXd& mean) {

@@ -125,8 +125,8 @@ class JointGaussian {
   void add_noise(std::size_t index, const Matrix6d& q);
   /// The camera becomes independent of all else, with this covariance.
   void release_camera(const Matrix6d& covariance);
-  /// xi_C <- xi_C + F xi_V for the motion V at the index `motion`.
-  void move_camera_by(std::size_t motion, const Matrix6d& transfer);
+  /// Other coordinates for an active block, of which the other one is active, too.
+  void combine(const BlockCoordinates& coordinates);
   void make_symmetric() { symmetrize(covariance_); }
 
   /// A detection of the object at `index`, explained under its leading hypothesis, which holds with
@@ -147,8 +147,6 @@ class JointGaussian {
   /// regression on them. Returns the mean of camera and extrinsics in the tangent space at the mean
   /// before.
   Eigen::VectorXd mix(double weight, const JointGaussian& other, const BlockPairs& shared);
-  /// Other coordinates for an active block, of which the other one is active, too.
-  void combine(const BlockCoordinates& coordinates);
   /// The covariance in the tangent spaces at means that have moved, by a map of every block whose
   /// coordinates change; all of them are active. `object` is the index of the one detected; the
   /// camera's coordinates are those of the camera that sees.

@@ -52,6 +52,14 @@ struct CameraAlternative {
 /// Blocks of two joint Gaussians that are the same, by their index in each.
 using BlockPairs = std::vector<std::pair<std::size_t, std::size_t>>;
 
+/// The coordinates x of a block become own x + other x_beside, where `beside` is another block.
+struct BlockCoordinates {
+  std::size_t block = 0;
+  Matrix6d own = Matrix6d::Identity();
+  std::size_t beside = 0;
+  Matrix6d other = Matrix6d::Zero();
+};
+
 /// Second moments of a pose.
 struct PoseMoments {
   Matrix6d covariance;        ///< Cov(xi)

@@ -92,10 +92,6 @@ void MultiObjectState::move_world(const WorldShift& shift, MovedBases& shared) {
   symmetrize(world_error);
 }
 
-Eigen::Vector3d origin_near(const Eigen::Vector3d& camera, const Eigen::Vector3d& origin) {
-  return (camera - origin).norm() > kFarFromOrigin_m ? camera : origin;
-}
-
 Eigen::Vector3d GlobalHypotheses::origin_for(const SE3d& camera) const {
   return origin_near(camera.translation(), origin_);
 }

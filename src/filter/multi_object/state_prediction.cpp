@@ -128,7 +128,7 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
     with_motion.get() = joint.rig().llt().solve(columns) * transfer.transpose();
   }
   for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_motion.get());
-  joint.move_camera_by(at, transfer);
+  joint.combine({kCamera, Matrix6d::Identity(), at, transfer});
   const SE3d moved = camera * SE3d::exp(periods * velocity.log());
   joint.set_pose(kCamera, moved);
   joint.add_noise(kCamera, moved.adjoint_congruence(within_reach(q)));

@@ -89,22 +89,6 @@ TransportMap PairTransport::of_other(const SE3d& from, SE3d& to) const {
   return map;
 }
 
-void JointGaussian::combine(const BlockCoordinates& given) {
-  const Index at = first(given.block);
-  const Index beside = first(given.beside);
-  KeptMatrix<6> kept_columns(covariance_.rows());
-  auto columns = kept_columns.get();
-  columns.noalias() = covariance_.middleCols<6>(at) * given.own.transpose();
-  columns.noalias() += covariance_.middleCols<6>(beside) * given.other.transpose();
-  covariance_.middleCols<6>(at) = columns;
-  KeptMatrix<> kept_rows(kPoseDof, covariance_.cols());
-  auto rows = kept_rows.get();
-  rows.noalias() = given.own * covariance_.middleRows<6>(at);
-  rows.noalias() += given.other * covariance_.middleRows<6>(beside);
-  covariance_.middleRows<6>(at) = rows;
-  symmetrize(covariance_);
-}
-
 TransportMoments JointGaussian::transport_all(std::size_t object,
                                               const KeptVector<std::optional<TransportMap>>& maps) {
   const Index n = rig_dof();
@@ -141,26 +125,13 @@ TransportMoments JointGaussian::transport_all(std::size_t object,
   return moments;
 }
 
-namespace {
-
-/// Cov([xi_O; b], [xi_C; xi_E ...]).
-MatrixXd with_rig(const ConditionalPose& pose, Index rig) {
-  MatrixXd cross(12, rig);
-  cross.leftCols<6>() = pose.cross_covariance;
-  if (rig > 6) cross.rightCols(rig - 6) = pose.extrinsics;
-  return cross;
-}
-
-void set_with_rig(const MatrixXd& cross, ConditionalPose& pose) {
-  pose.cross_covariance = cross.leftCols<6>();
-  if (cross.cols() > 6) pose.extrinsics = cross.rightCols(cross.cols() - 6);
-}
-
-}  // namespace
-
 void transport_pose(ConditionalPose& pose, const TransportMap& map, const TransportMoments& moments,
                     const RegularFactor& rig) {
-  const MatrixXd g = rig.solve(with_rig(pose, moments.rig.rows()).transpose()).transpose();
+  const Index n = moments.rig.rows();
+  MatrixXd cross(12, n);  // with [xi_C; xi_E ...]
+  cross.leftCols<6>() = pose.cross_covariance;
+  if (n > 6) cross.rightCols(n - 6) = pose.extrinsics;
+  const MatrixXd g = rig.solve(cross.transpose()).transpose();
   Matrix12d a = Matrix12d::Identity();
   a.topLeftCorner<6, 6>() = map.own;
   Matrix12d b = Matrix12d::Zero();
@@ -169,7 +140,9 @@ void transport_pose(ConditionalPose& pose, const TransportMap& map, const Transp
   pose.covariance = a * pose.covariance * a.transpose() + with_pair + with_pair.transpose() +
                     b * moments.pair * b.transpose();
   symmetrize(pose.covariance);
-  set_with_rig(a * (g * moments.rig_with_moved) + b * moments.pair_with_moved, pose);
+  cross = a * (g * moments.rig_with_moved) + b * moments.pair_with_moved;
+  pose.cross_covariance = cross.leftCols<6>();
+  if (n > 6) pose.extrinsics = cross.rightCols(n - 6);
 }
 
 Transport::Transport(JointGaussian& joint, std::size_t object, const ObservationSource& source,
@@ -183,7 +156,7 @@ Transport::Transport(JointGaussian& joint, std::size_t object, const Observation
       others_(std::move(others)) {
   if (source.camera) extrinsic_ = JointGaussian::extrinsic_block(*source.camera);
   if (!is_needed_ && !extrinsic_) return;
-  camera_part_ = state.common_part(inlier.noise);
+  if (is_needed_) camera_part_ = state.common_part(inlier.noise);
   from_.reserve(joint.size());
   for (std::size_t i = 0; i < joint.size(); ++i) from_.push_back(joint.pose(i));
   others_from_.reserve(others_.size());

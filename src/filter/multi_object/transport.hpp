@@ -97,14 +97,6 @@ struct TransportMoments {
 void transport_pose(ConditionalPose& pose, const TransportMap& map, const TransportMoments& moments,
                     const RegularFactor& rig);
 
-/// The coordinates x of a block become own x + other x_beside, where `beside` is another block.
-struct BlockCoordinates {
-  std::size_t block = 0;
-  Matrix6d own = Matrix6d::Identity();
-  std::size_t beside = 0;
-  Matrix6d other = Matrix6d::Zero();
-};
-
 /// The transport of everything after an update, and on a rig the coordinates of body and extrinsic
 /// where they are then. Made before the update, which gets the poses by reference: those of the
 /// joint Gaussian, and those that depend on it through the camera.
