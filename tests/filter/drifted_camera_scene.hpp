@@ -62,6 +62,17 @@ class TagTrip {
     camera_ = camera_ * motion;
     filter_.predict_with_odometry(motion * SE3d::exp(draw(q, stream_)).inverse(), q, 0.1);
   }
+  /// The body moves, and its pose is given with an error along its axes.
+  void go_and_give(const SE3d& motion, const Matrix6d& covariance) {
+    camera_ = camera_ * motion;
+    const SE3d given = camera_ * SE3d::exp(draw(covariance, stream_)).inverse();
+    filter_.set_camera({given, given.adjoint_congruence(covariance)}, 0.1);
+  }
+  /// The body moves by a motion that changes from frame to frame with the covariance `q_motion`.
+  void go_on(const SE3d& motion, const Matrix6d& q, const Matrix6d& q_motion) {
+    camera_ = camera_ * motion;
+    filter_.predict_constant_velocity(1.0, q, q_motion, q_motion, 0.1);
+  }
   const SE3d& camera() const { return camera_; }
   SE3d any_turn() { return SE3d::exp(6.28 * stream_.uniform() * Vector6d::Unit(2)); }
   double camera_nees() const { return nees_of(camera_, filter_.camera()) / 6.0; }

@@ -99,7 +99,7 @@ struct PlainFilter {
 TEST(Extrinsics, WithOneModeTheFilterIsTheJointKalmanFilter) {
   RandomStream random(5, 1);
   const Matrix6d r = isotropic(1.0, 0.005);
-  const Matrix6d q = isotropic(0.3, 0.003);
+  const Matrix6d q = isotropic(0.03, 0.0003);  // all of the motion is beyond it
   const DetectorNoise noise({{.covariance = r}});
   const ConcentratedGaussian<SE3d> body(SE3d(), isotropic(0.5, 0.01));
   const std::array priors{ConcentratedGaussian<SE3d>(kBodyCamera, isotropic(2, 0.02)),

@@ -259,6 +259,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
                                             const Starters& may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
   object.last_update = ++update_count;
+  if (rig) rig->seen_by = observed.observation.source.camera;
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const DetectionUpdates& updates = observed.updates;

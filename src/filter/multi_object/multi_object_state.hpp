@@ -12,6 +12,7 @@
 #include "object_belief.hpp"
 #include "posemix/density/pose_stack.hpp"
 #include "put_down.hpp"
+#include "significant_motion.hpp"
 
 namespace posemix::internal {
 
@@ -80,6 +81,7 @@ struct MultiObjectState {
   /// One more camera on the body, before any object is seen.
   void add_camera(const ConcentratedGaussian<SE3d>& body_camera) {
     joint.append_extrinsic(body_camera);
+    if (!rig) rig.emplace();
   }
   /// One more object, never detected.
   void add_object(const ObjectSensor& sensor, const std::optional<ObjectPrior>& prior = {},
@@ -141,7 +143,8 @@ struct MultiObjectState {
   /// `update_count` when the camera was given last, by set_camera().
   std::optional<std::uint64_t> camera_given_at;
   std::uint64_t next_id = 0;
-  std::uint64_t update_count = 0;  ///< number of detections of all objects so far
+  std::uint64_t update_count = 0;     ///< number of detections of all objects so far
+  std::optional<RigMotion> rig = {};  ///< with extrinsics
   ActiveLimits limits = {};
 
   // --- prediction, see MultiObjectFilter
@@ -184,6 +187,9 @@ struct MultiObjectState {
   Matrix6d within_reach(const Matrix6d& covariance, const Matrix6d& before) const;
   /// The same of the noise of the camera's motion.
   Matrix6d within_reach(const Matrix6d& q) const;
+  /// The error of the camera that saw last is what it would be had the body moved to `significant`:
+  /// eq. (38) of docs/many-objects.md.
+  void move_camera_on_body(const SE3d& significant);
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   Alternatives births_of(const TrackedObject& object, const WeighedObservation& observation,
                          const Starters& may_start, double share, BirthPlaces* put_down = nullptr);

@@ -194,15 +194,64 @@ struct StateFields<LogTotals> {
 };
 
 template <>
+struct StateFields<MotionDirections> {
+  static MotionDirections blank() { return {}; }
+  static auto tie(auto& x) {
+    auto& [motions, noise] = x;
+    return std::tie(motions, noise);
+  }
+  static void validate(const MotionDirections& x) {
+    require_covariance(x.motions_, kPoseDof);
+    require_covariance(x.noise_, kPoseDof);
+  }
+};
+
+template <>
+struct StateFields<SignificantMotion> {
+  static SignificantMotion blank() { return {}; }
+  static auto tie(auto& x) {
+    auto& [directions, left, noise] = x;
+    return std::tie(directions, left, noise);
+  }
+  static void validate(const SignificantMotion& x) {
+    require_state(x.left_.allFinite(), "a motion that is finite");
+    require_covariance(x.noise_, kPoseDof);
+  }
+};
+
+template <>
+struct StateFields<SignificantPose> {
+  static SignificantPose blank() { return {}; }
+  static auto tie(auto& x) {
+    auto& [directions, given, follower, last] = x;
+    return std::tie(directions, given, follower.pose, follower.covariance, last.pose,
+                    last.covariance);
+  }
+  static void validate(const SignificantPose& x) {
+    require_covariance(x.follower_.covariance, kPoseDof);
+    require_covariance(x.last_.covariance, kPoseDof);
+  }
+};
+
+template <>
+struct StateFields<RigMotion> {
+  static RigMotion blank() { return {}; }
+  static auto tie(auto& x) {
+    auto& [odometry, given, seen_by] = x;
+    return std::tie(odometry, given, seen_by);
+  }
+};
+
+template <>
 struct StateFields<MultiObjectState> {
   static MultiObjectState blank() {
     return {ConcentratedGaussian<SE3d>(SE3d(), Matrix6d::Identity()), {}, {}};
   }
   static auto tie(auto& x) {
     auto& [settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
-           has_known_objects, camera_given_at, next_id, update_count, limits] = x;
+           has_known_objects, camera_given_at, next_id, update_count, rig, limits] = x;
     return std::tie(settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
-                    has_known_objects, camera_given_at, next_id, update_count, limits);
+                    has_known_objects, camera_given_at, next_id, update_count, rig, limits);
   }
   static void validate(const MultiObjectState& x) {
     std::vector<bool> taken(x.joint.size(), false);
@@ -232,6 +281,9 @@ struct StateFields<MultiObjectState> {
     for (const bool one : taken) require_state(one, "a pose for every block");
     require_state(std::isfinite(x.now_s), "a time that is finite");
     require_covariance(x.world_error, kPoseDof);
+    require_state(x.rig.has_value() == (x.joint.extrinsics() > 0) &&
+                      (!x.rig || !x.rig->seen_by || *x.rig->seen_by < x.joint.extrinsics()),
+                  "the motion of a body with the cameras that there are");
     require_state(!x.camera_given_at || *x.camera_given_at <= x.update_count,
                   "a camera that was given before the last detection");
   }

@@ -73,7 +73,19 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
   const SE3d camera = before * change;
   joint.set_pose(kCamera, camera);
   joint.add_noise(kCamera, camera.adjoint_congruence(within_reach(q)));
+  if (rig) move_camera_on_body(before * rig->odometry.take(change, q));
   advance(dt, before);
+}
+
+void MultiObjectState::move_camera_on_body(const SE3d& significant) {
+  if (!rig || !rig->seen_by) return;
+  const std::size_t extrinsic = JointGaussian::extrinsic_block(*rig->seen_by);
+  const Matrix6d b = significant.adjoint() - joint.pose(kCamera).adjoint();
+  joint.combine({kCamera, Matrix6d::Identity(), extrinsic, b});
+  KeptMatrix<6> with_rig(joint.rig().rows());
+  with_rig.get().setZero();
+  with_rig.get().middleRows<6>(offset(extrinsic)) = b.transpose();
+  for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_rig.get());
 }
 
 void MultiObjectState::predict_random_walk(const Matrix6d& given, double dt) {
@@ -134,6 +146,8 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
   joint.add_noise(kCamera, moved.adjoint_congruence(within_reach(q)));
   joint.add_noise(at, velocity.adjoint_congruence(q_motion));
   joint.make_symmetric();
+  // The motion itself is told by the cameras.
+  move_camera_on_body(camera);
   advance(dt, std::nullopt);
 }
 
@@ -149,6 +163,11 @@ void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera
                                     : position.adjoint_congruence(less));
   for (TrackedObject& object : objects) object.belief.release_camera();
   camera_given_at = update_count;
+  if (rig) {
+    const SE3d& body = world_camera.mean();
+    move_camera_on_body(
+        rig->given.follow(body, body.inverse().adjoint_congruence(world_camera.covariance())));
+  }
   advance(dt, before);
 }
 

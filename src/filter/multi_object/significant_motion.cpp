@@ -1,0 +1,122 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#include "significant_motion.hpp"
+
+#include <Eigen/Eigenvalues>
+
+namespace posemix::internal {
+namespace {
+
+using Eigen::Index;
+
+/// Part of what is left that is kept from step to step: that of the last eight.
+constexpr double kKept = 0.875;
+
+/// The same of motions that tell directions: of the last hundred.
+constexpr double kKeptDirections = 0.9999;
+
+/// Standard deviations: six in 1e7 steps along a direction are beyond by chance.
+constexpr double kSignificant = 5.0;
+
+/// The same between a pose that is given and the mean of those before, which is one or two aside
+/// while directions are not known well.
+constexpr double kSignificantlyAside = 6.0;
+
+/// Of a motion that is exact [rad^2, m^2].
+constexpr double kExactMotion = 1e-18;
+
+bool is_beyond(double deviations, double motion, double variance) {
+  return motion * motion > deviations * deviations * variance;
+}
+
+/// A covariance in the axes of a body, after it turned.
+Matrix6d turned(const Matrix6d& covariance, const SE3d& step) {
+  return SE3d(step.rotation().inverse(), Eigen::Vector3d::Zero()).adjoint_congruence(covariance);
+}
+
+/// The coordinate is independent of the others, with this variance.
+void set_variance(Matrix6d& covariance, Index i, double variance) {
+  covariance.row(i).setZero();
+  covariance.col(i).setZero();
+  covariance(i, i) = variance;
+}
+
+Matrix6d congruence(const Matrix6d& map, const Matrix6d& covariance) {
+  Matrix6d result = map * covariance * map.transpose();
+  symmetrize(result);
+  return result;
+}
+
+}  // namespace
+
+MotionDirections::Coordinates MotionDirections::beside(const Matrix6d& noise) const {
+  Matrix6d unit = noise_ + noise;
+  unit.diagonal().array() += kExactMotion;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(motions_, unit);
+  const Matrix6d& axes = solver.eigenvectors();
+  return {axes.transpose(), unit * axes};
+}
+
+void MotionDirections::add(const Vector6d& motion, const Matrix6d& noise) {
+  motions_ = kKeptDirections * motions_ + motion * motion.transpose();
+  noise_ = kKeptDirections * noise_ + noise;
+}
+
+SE3d SignificantMotion::take(const SE3d& step, const Matrix6d& q) {
+  const SE3d turn(step.rotation().inverse(), Eigen::Vector3d::Zero());
+  left_ = kKept * turn.adjoint() * left_ + step.log();
+  noise_ = kKept * kKept * turned(noise_, step) + q;
+  const MotionDirections::Coordinates axes = directions_.beside(noise_);
+  const Vector6d last = axes.to * step.log();
+  const Matrix6d noise_of_last = congruence(axes.to, q);
+  Vector6d sum = axes.to * left_;
+  Matrix6d noise = congruence(axes.to, noise_);
+  Vector6d taken = Vector6d::Zero();
+  for (Index i = 0; i < 6; ++i) {
+    // An error that is large at times hides, in the sum, what comes after it.
+    const bool is_sum = is_beyond(kSignificant, sum[i], noise(i, i));
+    if (!is_sum && !is_beyond(kSignificant, last[i], noise_of_last(i, i))) continue;
+    taken[i] = is_sum ? sum[i] : last[i];
+    sum[i] = 0.0;
+    set_variance(noise, i, 0.0);
+  }
+  if (taken.isZero(0.0)) return {};
+  directions_.add(left_, noise_);
+  left_ = axes.from * sum;
+  noise_ = congruence(axes.from, noise);
+  return SE3d::exp(axes.from * taken);
+}
+
+const SE3d& SignificantPose::follow(const SE3d& pose, const Matrix6d& covariance) {
+  if (given_ == 0) follower_ = last_ = {pose, covariance};
+  const double share = 1.0 / static_cast<double>(++given_);
+  const Matrix6d error = follower_.covariance + covariance;
+  const MotionDirections::Coordinates axes = directions_.beside(error);
+  const Matrix6d now = congruence(axes.to, covariance);
+  Matrix6d of_follower = congruence(axes.to, follower_.covariance);
+  Vector6d taken = axes.to * (follower_.pose.inverse() * pose).log();
+  bool is_elsewhere = false;
+  for (Index i = 0; i < 6; ++i) {
+    const double before = of_follower(i, i);
+    const bool is_all = is_beyond(kSignificantlyAside, taken[i], before + now(i, i));
+    const double part = is_all ? 1.0 : share;
+    taken[i] *= part;
+    set_variance(of_follower, i, (1.0 - part) * (1.0 - part) * before + part * part * now(i, i));
+    is_elsewhere = is_elsewhere || is_all;
+  }
+  const SE3d step = SE3d::exp(axes.from * taken);
+  follower_ = {follower_.pose * step, turned(congruence(axes.from, of_follower), step)};
+  if (!is_elsewhere) return follower_.pose;
+  // The errors of what is given are independent; that of the follower stays the same.
+  const SE3d motion = last_.pose.inverse() * pose;
+  directions_.add(motion.log(), turned(last_.covariance, motion) + covariance);
+  last_ = {pose, covariance};
+  return follower_.pose;
+}
+
+void SignificantPose::move_world(const WorldShift& shift) {
+  follower_.pose = shift(follower_.pose);
+  last_.pose = shift(last_.pose);
+}
+
+}  // namespace posemix::internal

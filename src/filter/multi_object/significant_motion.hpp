@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+#pragma once
+
+#include <cstdint>
+
+#include "filter/world_shift.hpp"
+#include "posemix/base/state_fields.hpp"
+#include "posemix/density/concentrated_gaussian.hpp"
+
+/// What of the motion of a body is beyond its noise: by the rest nothing is told of the poses of
+/// cameras on it, eq. (38) of docs/many-objects.md.
+namespace posemix::internal {
+
+/// Directions in the body's axes, along and about which motions are compared with their noise:
+/// those in which the body moved by the most beside it, which are the same from motion to motion
+/// for a robot that drives on a plane, whatever its axes are.
+class MotionDirections {
+ public:
+  struct Coordinates {
+    Matrix6d to;    ///< of a motion, along the directions
+    Matrix6d from;  ///< the inverse
+  };
+  Coordinates beside(const Matrix6d& noise) const;
+  /// A motion that is significant, with the covariance of its error.
+  void add(const Vector6d& motion, const Matrix6d& noise);
+
+ private:
+  template <class>
+  friend struct StateFields;
+
+  Matrix6d motions_ = Matrix6d::Zero();  ///< sum of the squares of the last ones
+  Matrix6d noise_ = Matrix6d::Zero();    ///< sum of their covariances
+};
+
+/// Of a body with odometry. A motion in small steps is significant, too, after some of them.
+class SignificantMotion {
+ public:
+  /// The part of a step, with the covariance `q` of its error in the body's axes after it, and of
+  /// what was left of steps before, that is significant.
+  SE3d take(const SE3d& step, const Matrix6d& q);
+
+ private:
+  template <class>
+  friend struct StateFields;
+
+  MotionDirections directions_;
+  Vector6d left_ = Vector6d::Zero();   ///< of the last steps, in the body's axes
+  Matrix6d noise_ = Matrix6d::Zero();  ///< its covariance
+};
+
+/// Of a body whose pose is given.
+class SignificantPose {
+ public:
+  /// The pose that follows what is given, with a covariance in the body's axes, where it is
+  /// significantly elsewhere. Along other directions it is the mean of all.
+  const SE3d& follow(const SE3d& pose, const Matrix6d& covariance);
+  void move_world(const WorldShift& shift);
+
+ private:
+  template <class>
+  friend struct StateFields;
+
+  /// With a covariance in its own axes.
+  struct Pose {
+    SE3d pose;
+    Matrix6d covariance = Matrix6d::Zero();
+  };
+
+  MotionDirections directions_;
+  std::uint64_t given_ = 0;  ///< number of poses
+  Pose follower_;
+  Pose last_;  ///< given, when the follower moved last
+};
+
+/// The motion of a body on which poses of cameras are estimated.
+struct RigMotion {
+  SignificantMotion odometry;
+  SignificantPose given;
+  /// The camera that saw last, if its pose on the body is estimated.
+  std::optional<std::size_t> seen_by = {};
+};
+
+}  // namespace posemix::internal

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: MIT
+// SPDX-FileCopyrightText: posemix contributors
+// A body with one camera whose pose on it is uncertain, which stands or drives on a plane, with the
+// default settings: by the noise of its odometry nothing is told of that pose.
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "drifted_camera_scene.hpp"
+
+namespace posemix {
+namespace {
+
+using testing::expect_true_nees;
+using testing::isotropic;
+using testing::NeesSummary;
+using testing::pose;
+using testing::sharp_tag_noise;
+using testing::TagTrip;
+
+constexpr std::uint64_t kTremblingSeeds = 12;
+constexpr int kTremblingFrames = 1000;
+
+const SE3d kTremblingCamera = pose(0.2, 0.1, 0.0, 0.1, -0.1, 0.05);
+const Matrix6d kTrembling = isotropic(0.1, 1e-3);
+
+std::vector<SE3d> three_tags() {
+  const SE3d body = pose(0.1, 0.2, 0.3, 0, 0, 0);
+  return {body * pose(0.3, -0.2, 0.5, 0.3, 0, 1), body * pose(-0.2, 0.3, 0.1, -0.5, 0.2, 1.2),
+          body * pose(0.9, 0.2, 0, 0.1, -0.4, 1.5)};
+}
+
+/// The camera's pose on the body has an error of so many degrees and centimetres.
+TagTrip trembling_trip(std::uint64_t seed, double uncertain) {
+  TagTrip trip(seed, sharp_tag_noise(2e-3), three_tags());
+  trip.see_from(kTremblingCamera, isotropic(uncertain, 0.01 * uncertain));
+  return trip;
+}
+
+struct TremblingNees {
+  NeesSummary extrinsic;
+  NeesSummary tag;  ///< from the body
+  double least_sd;  ///< of the position of the camera on the body along any of its axes [m]
+};
+
+/// `go` moves the body by a frame.
+template <class Go>
+TremblingNees nees_after(const Go& go, double uncertain = 5.0) {
+  TremblingNees nees{.least_sd = 1.0};
+  for (std::uint64_t seed = 1; seed <= kTremblingSeeds; ++seed) {
+    TagTrip trip = trembling_trip(seed, uncertain);
+    for (std::size_t k = 0; k < kTremblingFrames; ++k) {
+      go(trip);
+      trip.see(k / 2 % 3);
+    }
+    nees.extrinsic.add(trip.extrinsic_nees());
+    nees.tag.add(trip.relative_nees(0));
+    const Matrix6d covariance = trip.filter().extrinsic(0).covariance();
+    nees.least_sd = std::min(nees.least_sd, std::sqrt(covariance.diagonal().tail<3>().minCoeff()));
+  }
+  return nees;
+}
+
+TEST(TremblingRig, LearnsNothingWhereItStands) {
+  const TremblingNees odometry = nees_after([](TagTrip& trip) { trip.go(SE3d(), kTrembling); });
+  const TremblingNees given =
+      nees_after([](TagTrip& trip) { trip.go_and_give(SE3d(), kTrembling); });
+  for (const TremblingNees& nees : {odometry, given}) {
+    expect_true_nees({nees.extrinsic, nees.tag});
+    EXPECT_GT(nees.least_sd, 0.045);
+  }
+}
+
+TEST(TremblingRig, LearnsNothingWhereItsCamerasAloneTellHowItMoves) {
+  for (const SE3d& motion : {SE3d(), pose(0, 0, 0.01, 5e-3, 0, 0)}) {
+    const TremblingNees nees = nees_after(
+        [&](TagTrip& trip) { trip.go_on(motion, isotropic(0.02, 2e-4), isotropic(0.1, 1e-3)); });
+    expect_true_nees({nees.extrinsic, nees.tag});
+    EXPECT_GT(nees.least_sd, 0.049);
+  }
+}
+
+/// On a plane it learns all but the height of its camera, with what (20) leaves out at 5 deg.
+TEST(TremblingRig, LearnsTruthOnAPlane) {
+  for (const SE3d& tilt : {SE3d(), pose(0.5, 0.3, 0, 0, 0, 0)}) {
+    const SE3d motion = tilt * pose(0, 0, 0.03, 0.01, 0, 0) * tilt.inverse();
+    const auto drives = [&](TagTrip& trip) { trip.go(motion, kTrembling); };
+    const auto is_given = [&](TagTrip& trip) { trip.go_and_give(motion, kTrembling); };
+    for (const TremblingNees& nees : {nees_after(drives, 2.0), nees_after(is_given, 2.0)})
+      expect_true_nees({nees.extrinsic, nees.tag});
+    for (const TremblingNees& nees : {nees_after(drives, 5.0), nees_after(is_given, 5.0)})
+      EXPECT_LT(nees.extrinsic.mean(), 2.0);
+  }
+}
+
+}  // namespace
+}  // namespace posemix
