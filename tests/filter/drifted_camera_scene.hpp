@@ -58,10 +58,14 @@ class TagTrip {
   void go(const SE3d& motion, double rotation_sd_deg, double position_sd_m) {
     go(motion, isotropic(rotation_sd_deg, position_sd_m));
   }
-  void go(const SE3d& motion, const Matrix6d& q) {
+  void go(const SE3d& motion, const Matrix6d& q) { go(motion, q, q); }
+  /// With odometry that errs by less than it says.
+  void go(const SE3d& motion, const Matrix6d& q, const Matrix6d& error) {
     camera_ = camera_ * motion;
-    filter_.predict_with_odometry(motion * SE3d::exp(draw(q, stream_)).inverse(), q, 0.1);
+    filter_.predict_with_odometry(motion * SE3d::exp(draw(error, stream_)).inverse(), q, 0.1);
   }
+  /// Stands, where a random walk is expected.
+  void stand(const Matrix6d& q) { filter_.predict_random_walk(q, 0.1); }
   /// The body moves, and its pose is given with an error along its axes.
   void go_and_give(const SE3d& motion, const Matrix6d& covariance) {
     camera_ = camera_ * motion;

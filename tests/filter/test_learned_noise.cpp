@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
+#include <vector>
 
+#include "drifted_camera_scene.hpp"
 #include "multi_object_scene.hpp"
 
 /// What the multi-object filter learns of a detector, with the settings as they ship.
@@ -198,6 +201,39 @@ TEST(LearnedNoise, TheErrorInCommonKeepsItsSize) {
 }
 
 // Directions that are opposite to the last bit turn about no axis, and were one view.
+/// Of a tag from the camera, after many frames with a motion that is quieter than it is said to be.
+/// `go` moves the camera by a frame.
+template <class Go>
+testing::NeesSummary nees_after_quiet(const Go& go) {
+  const std::vector<SE3d> tags{pose(0.4, 0, 0.8, 0.4, 0.2, 1.3),
+                               pose(-0.1, 0.5, 0.4, -0.2, 0.3, 1.5),
+                               pose(1.0, 0.4, 0.3, 0.2, -0.2, 1.8)};
+  testing::NeesSummary nees;
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    testing::TagTrip trip(seed, testing::sharp_tag_noise(2e-3), tags);
+    for (std::size_t k = 0; k < 5000; ++k) {
+      go(trip);
+      trip.see(k / 2 % 3);
+    }
+    nees.add(trip.relative_nees(0));
+  }
+  return nees;
+}
+
+/// Of a motion that is quieter than it is said to be nothing is learned of the detector.
+TEST(LearnedNoise, AQuietMotionIsNoQuietDetector) {
+  for (const double q : {0.05, 0.15, 0.5}) {
+    const Matrix6d said = isotropic(q, 0.01 * q);
+    const auto walk = nees_after_quiet([&](testing::TagTrip& trip) { trip.stand(said); });
+    const auto odometry = nees_after_quiet(
+        [&](testing::TagTrip& trip) { trip.go(SE3d(), said, isotropic(0.1 * q, 1e-3 * q)); });
+    for (const testing::NeesSummary& nees : {walk, odometry}) {
+      EXPECT_LT(nees.mean(), 1.8) << q;
+      EXPECT_LT(nees.worst, 4.0) << q;
+    }
+  }
+}
+
 TEST(SlowError, TheOppositeSideIsAnotherView) {
   const auto variance_at = [](const Eigen::Vector3d& place) {
     const SE3d before(SO3d(), {0.0, 0.0, -1.0});

@@ -21,6 +21,12 @@ using testing::pose;
 
 const Matrix6d kNoise = isotropic(0.1, 1e-3);
 
+Vector6d draw_plane(const Matrix6d& covariance, RandomStream& stream) {
+  Vector6d error;
+  for (double& one : error) one = stream.normal();
+  return covariance.diagonal().cwiseSqrt().cwiseProduct(error);
+}
+
 /// A step as its odometry says it is.
 SE3d measured(const SE3d& step, const Matrix6d& q, RandomStream& stream) {
   return step * SE3d::exp(draw(q, stream));
@@ -44,26 +50,53 @@ TEST(SignificantMotion, IsNoneOfABodyThatStands) {
   RandomStream stream(1, 5);
   SignificantMotion motion;
   int taken = 0;
-  for (int k = 0; k < 20'000; ++k)
+  for (int k = 0; k < 20'000; ++k) {
     taken += motion.take(measured(SE3d(), kNoise, stream), kNoise).log().isZero(0.0) ? 0 : 1;
+    if (k % 3 == 0) motion.see();
+  }
   EXPECT_LE(taken, 1);
 }
 
-TEST(SignificantMotion, StepsWithinTheNoiseAddUp) {
+TEST(SignificantMotion, StepsAddUpBetweenDetections) {
   RandomStream stream(1, 5);
   SignificantMotion motion;
   const SE3d step = pose(0.0, 0.0, 0.0, 2e-3, 0.0, 0.0);  // two standard deviations
   double taken = 0.0;
-  for (int k = 0; k < 1000; ++k)
+  for (int k = 0; k < 1000; ++k) {
     taken += motion.take(measured(step, kNoise, stream), kNoise).translation()[0];
-  EXPECT_GT(taken, 0.8);
-  EXPECT_LT(taken, 2.0);
+    if (k % 25 == 24) motion.see();
+  }
+  EXPECT_GT(taken, 1.4);
+  EXPECT_LT(taken, 2.1);
+  for (int k = 0; k < 1000; ++k) {
+    EXPECT_TRUE(motion.take(step, kNoise).log().isZero(0.0));
+    motion.see();
+  }
 }
 
-TEST(SignificantMotion, ALargeErrorDoesNotHideWhatComesAfterIt) {
+/// As where a robot on a plane, whose odometry errs in the plane alone, has axes that are tilted.
+TEST(SignificantMotion, OfACovarianceWithoutAnInverseIsNoMoreThanTheMotion) {
+  RandomStream stream(1, 5);
+  const SE3d tilt = pose(0.5, 0.3, 0.2, 0.0, 0.0, 0.0);
+  Matrix6d plane = Matrix6d::Zero();
+  plane.diagonal() << 0.0, 0.0, 3e-6, 1e-6, 1e-6, 0.0;
+  Matrix6d q = tilt.adjoint_congruence(plane);
+  for (double& one : q.reshaped()) one = std::round(one * 1e18) * 1e-18;  // twelve digits
+  symmetrize(q);
+  SignificantMotion motion;
+  const SE3d step = tilt * pose(0.0, 0.0, 0.01, 0.01, 0.0, 0.0) * tilt.inverse();
+  for (int k = 0; k < 1000; ++k) {
+    const SE3d given = step * tilt * SE3d::exp(draw_plane(plane, stream)) * tilt.inverse();
+    const Vector6d taken = motion.take(given, q).log();
+    EXPECT_LT((taken - given.log()).norm(), 5.0 * step.log().norm());
+  }
+}
+
+TEST(SignificantMotion, ALargeErrorDoesNotHideWhatComesAfterADetection) {
   SignificantMotion motion;
   const SE3d step = pose(0.0, 0.0, 0.05, 0.02, 0.0, 0.0);
-  motion.take(step, isotropic(5.0, 0.5));
+  EXPECT_TRUE(motion.take(step, isotropic(5.0, 0.5)).log().isZero(0.0));
+  motion.see();
   EXPECT_LT((motion.take(step, kNoise).inverse() * step).log().norm(), 1e-12);
 }
 
@@ -75,6 +108,7 @@ double across(const SE3d& tilt, std::uint64_t seed) {
   double sum = 0.0;
   for (int k = 0; k < 10'000; ++k) {
     const SE3d taken = motion.take(measured(step, kNoise, stream), kNoise);
+    motion.see();
     EXPECT_GT(taken.log().norm(), 0.9 * step.log().norm());
     if (k >= 100) sum += std::pow((tilt.inverse() * taken * tilt).log()[5], 2);
   }
@@ -99,6 +133,17 @@ TEST(SignificantPose, IsTheMeanOfWhatIsGivenOfABodyThatStands) {
     last = now;
   }
   EXPECT_LT((truth.inverse() * last).translation().norm(), 2e-4);
+}
+
+TEST(SignificantPose, ForgetsAPoorPoseThatWasGivenFirst) {
+  RandomStream stream(1, 5);
+  SignificantPose body;
+  const SE3d truth = pose(0.3, -0.2, 0.5, 1.0, 2.0, 0.3);
+  body.follow(truth * pose(0.2, -0.1, 0.1, 0.3, 0.3, -0.3), isotropic(10.0, 0.4));
+  for (int k = 0; k < 5; ++k) {
+    const SE3d now = body.follow(measured(truth, kNoise, stream), kNoise);
+    EXPECT_LT((truth.inverse() * now).translation().norm(), 5e-3);
+  }
 }
 
 TEST(SignificantPose, FollowsABodyThatMoves) {

@@ -117,7 +117,7 @@ void MovingObjectState::learn(const MovingHypothesis& leader, const ModeEvidence
   const MultiObjectSettings settings{.noise_scale_detections = settings_.noise_scale_detections,
                                      .least_noise_scale = settings_.least_noise_scale};
   const DetectionUpdate update{evidence.explanation, {}};
-  const Vector6d factor = detector_.learn(update, given, settings);
+  const Vector6d factor = detector_.learn(update, given, settings, 0.0);
   if (!sensor().noise.dependence().slow || factor.isOnes(1e-12)) return;
   if (trace_) trace_->slow_factor = factor;
   for (MovingHypothesis& hypothesis : hypotheses_)

@@ -203,7 +203,7 @@ void MultiObjectState::learn(TrackedObject& object, const DetectionUpdate& leadi
       std::any_of(observation.components.begin(), observation.components.end(),
                   [](const auto& component) { return component.covariance.has_value(); });
   LearnedSensor& detector = object.detectors[observation.source.detector];
-  const Vector6d factor = detector.learn(leading, has_covariance, settings);
+  const Vector6d factor = detector.learn(leading, has_covariance, settings, kLeastDetectorPart);
   const ObjectSensor& sensor = detector.sensor();
   if (!sensor.noise.dependence().slow || factor.isOnes(1e-12)) return;
   for (LearnedSensor& other : object.detectors) other.set_slow_scale(sensor.slow_scale);
@@ -259,7 +259,11 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
                                             const Starters& may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
   object.last_update = ++update_count;
-  if (rig) rig->seen_by = observed.observation.source.camera;
+  if (rig) {
+    rig->odometry.see();
+    rig->last_camera = observed.observation.source.camera;
+    rig->has_exact_camera = rig->has_exact_camera || !rig->last_camera;
+  }
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const DetectionUpdates& updates = observed.updates;

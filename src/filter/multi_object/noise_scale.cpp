@@ -103,7 +103,7 @@ double LearnedSensor::count_detection(const WeighedObservation& observation, dou
 /// (y^T R_g y - tr S^-1 R_g) / 2 and its information tr(S^-1 R_g S^-1 R_g) / 2. The noise as given
 /// counts as settings.noise_scale_detections detections.
 Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance,
-                              const MultiObjectSettings& settings) {
+                              const MultiObjectSettings& settings, double least_part) {
   const GivenCovariance use = sensor_.noise.dependence().given_covariance;
   if (has_covariance && use == GivenCovariance::as_given) return Vector6d::Ones();
   if (!std::isfinite(settings.noise_scale_detections)) return Vector6d::Ones();
@@ -132,6 +132,7 @@ Vector6d LearnedSensor::learn(const DetectionUpdate& update, bool has_covariance
     const Matrix6d s_r = s_inverse * r;
     const double score = 0.5 * (std::min(y.dot(r * y), 9.0 * count) - s_r.trace());
     const double information = 0.5 * (s_r * s_r).trace();
+    if (information < 0.5 * least_part * least_part * count) continue;
     information_[first] += weight * information;
     const double prior = 0.5 * settings.noise_scale_detections * count;
     const double step =

@@ -14,6 +14,12 @@ namespace posemix::internal {
 /// Log ratio of the two largest weights; zero for one component.
 double clarity(std::span<const ObservationComponent> components);
 
+/// The part of an innovation's variance that is the detector's where it tells of
+/// the detector. Less of it tells of the camera's motion, which may be quieter than it is said to
+/// be: what was learned where a camera stands, with the noise of a random walk, went to zero in the
+/// long run.
+inline constexpr double kLeastDetectorPart = 1.0 / 6.0;
+
 /// The detector of one object: its noise as given, and the scale of the noise that is learned from
 /// the innovations of the leading hypothesis (docs/many-objects.md, "The scale of the noise").
 class LearnedSensor {
@@ -43,9 +49,10 @@ class LearnedSensor {
     looked_s_ += dt;
   }
   /// Learns the scale of the noise from an innovation of an observation that brings its own
-  /// covariances or not. Returns the factors by which the scale of the slow error changed.
+  /// covariances or not, of which `least_part` at least is the detector's. Returns the factors by
+  /// which the scale of the slow error changed.
   Vector6d learn(const DetectionUpdate& update, bool has_covariance,
-                 const MultiObjectSettings& settings);
+                 const MultiObjectSettings& settings, double least_part);
   /// Sets the scale of the slow error, which is one for all detectors of an object.
   void set_slow_scale(const Vector6d& scale) { sensor_.slow_scale = scale; }
   /// The sensor as it was given: no detections, nothing learned.

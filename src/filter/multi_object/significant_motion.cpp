@@ -2,6 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #include "significant_motion.hpp"
 
+#include <algorithm>
+#include <utility>
+
 #include <Eigen/Eigenvalues>
 
 namespace posemix::internal {
@@ -9,10 +12,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Part of what is left that is kept from step to step: that of the last eight.
-constexpr double kKept = 0.875;
-
-/// The same of motions that tell directions: of the last hundred.
+/// Part of the motions that tell directions that is kept from one to the next: of the last ten
+/// thousand.
 constexpr double kKeptDirections = 0.9999;
 
 /// Standard deviations: six in 1e7 steps along a direction are beyond by chance.
@@ -22,8 +23,14 @@ constexpr double kSignificant = 5.0;
 /// while directions are not known well.
 constexpr double kSignificantlyAside = 6.0;
 
-/// Of a motion that is exact [rad^2, m^2].
+/// Variance that the follower of a body that moves gets with each pose along the other directions,
+/// as a part of that of the pose: what it errs by along the way would last else.
+constexpr double kWander = 1e-4;
+
+/// Of a motion that is exact [rad^2, m^2], and of one along other axes than those of a covariance
+/// without an inverse, as a part of its variances.
 constexpr double kExactMotion = 1e-18;
+constexpr double kExactPart = 1e-6;
 
 bool is_beyond(double deviations, double motion, double variance) {
   return motion * motion > deviations * deviations * variance;
@@ -51,7 +58,7 @@ Matrix6d congruence(const Matrix6d& map, const Matrix6d& covariance) {
 
 MotionDirections::Coordinates MotionDirections::beside(const Matrix6d& noise) const {
   Matrix6d unit = noise_ + noise;
-  unit.diagonal().array() += kExactMotion;
+  unit.diagonal().array() = (1.0 + kExactPart) * unit.diagonal().array() + kExactMotion;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(motions_, unit);
   const Matrix6d& axes = solver.eigenvectors();
   return {axes.transpose(), unit * axes};
@@ -64,32 +71,26 @@ void MotionDirections::add(const Vector6d& motion, const Matrix6d& noise) {
 
 SE3d SignificantMotion::take(const SE3d& step, const Matrix6d& q) {
   const SE3d turn(step.rotation().inverse(), Eigen::Vector3d::Zero());
-  left_ = kKept * turn.adjoint() * left_ + step.log();
-  noise_ = kKept * kKept * turned(noise_, step) + q;
+  motion_ = turn.adjoint() * motion_ + step.log();
+  noise_ = turned(noise_, step) + q;
   const MotionDirections::Coordinates axes = directions_.beside(noise_);
-  const Vector6d last = axes.to * step.log();
-  const Matrix6d noise_of_last = congruence(axes.to, q);
-  Vector6d sum = axes.to * left_;
+  Vector6d motion = axes.to * motion_;
   Matrix6d noise = congruence(axes.to, noise_);
   Vector6d taken = Vector6d::Zero();
   for (Index i = 0; i < 6; ++i) {
-    // An error that is large at times hides, in the sum, what comes after it.
-    const bool is_sum = is_beyond(kSignificant, sum[i], noise(i, i));
-    if (!is_sum && !is_beyond(kSignificant, last[i], noise_of_last(i, i))) continue;
-    taken[i] = is_sum ? sum[i] : last[i];
-    sum[i] = 0.0;
+    if (!is_beyond(kSignificant, motion[i], noise(i, i))) continue;
+    taken[i] = std::exchange(motion[i], 0.0);
     set_variance(noise, i, 0.0);
   }
   if (taken.isZero(0.0)) return {};
-  directions_.add(left_, noise_);
-  left_ = axes.from * sum;
+  directions_.add(motion_, noise_);
+  motion_ = axes.from * motion;
   noise_ = congruence(axes.from, noise);
   return SE3d::exp(axes.from * taken);
 }
 
 const SE3d& SignificantPose::follow(const SE3d& pose, const Matrix6d& covariance) {
-  if (given_ == 0) follower_ = last_ = {pose, covariance};
-  const double share = 1.0 / static_cast<double>(++given_);
+  if (!std::exchange(has_pose_, true)) follower_ = last_ = {pose, covariance};
   const Matrix6d error = follower_.covariance + covariance;
   const MotionDirections::Coordinates axes = directions_.beside(error);
   const Matrix6d now = congruence(axes.to, covariance);
@@ -97,13 +98,15 @@ const SE3d& SignificantPose::follow(const SE3d& pose, const Matrix6d& covariance
   Vector6d taken = axes.to * (follower_.pose.inverse() * pose).log();
   bool is_elsewhere = false;
   for (Index i = 0; i < 6; ++i) {
-    const double before = of_follower(i, i);
-    const bool is_all = is_beyond(kSignificantlyAside, taken[i], before + now(i, i));
-    const double part = is_all ? 1.0 : share;
+    const double before = std::max(0.0, of_follower(i, i));
+    const double given = std::max(0.0, now(i, i));
+    const bool is_all = is_beyond(kSignificantlyAside, taken[i], before + given);
+    const double part = is_all || before + given == 0.0 ? 1.0 : before / (before + given);
     taken[i] *= part;
-    set_variance(of_follower, i, (1.0 - part) * (1.0 - part) * before + part * part * now(i, i));
+    set_variance(of_follower, i, part * given);
     is_elsewhere = is_elsewhere || is_all;
   }
+  if (is_elsewhere) of_follower.diagonal() += kWander * now.diagonal();
   const SE3d step = SE3d::exp(axes.from * taken);
   follower_ = {follower_.pose * step, turned(congruence(axes.from, of_follower), step)};
   if (!is_elsewhere) return follower_.pose;

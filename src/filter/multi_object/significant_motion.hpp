@@ -2,7 +2,9 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "filter/world_shift.hpp"
 #include "posemix/base/state_fields.hpp"
@@ -33,27 +35,34 @@ class MotionDirections {
   Matrix6d noise_ = Matrix6d::Zero();    ///< sum of their covariances
 };
 
-/// Of a body with odometry. A motion in small steps is significant, too, after some of them.
+/// Of a body with odometry. Steps add up from one detection to the next: what a detection saw of a
+/// motion is not seen anew.
 class SignificantMotion {
  public:
   /// The part of a step, with the covariance `q` of its error in the body's axes after it, and of
-  /// what was left of steps before, that is significant.
+  /// what is left of the steps since the last detection, that is significant.
   SE3d take(const SE3d& step, const Matrix6d& q);
+  /// Nothing is left.
+  void see() {
+    motion_.setZero();
+    noise_.setZero();
+  }
 
  private:
   template <class>
   friend struct StateFields;
 
   MotionDirections directions_;
-  Vector6d left_ = Vector6d::Zero();   ///< of the last steps, in the body's axes
-  Matrix6d noise_ = Matrix6d::Zero();  ///< its covariance
+  Vector6d motion_ = Vector6d::Zero();  ///< that was not taken, in the body's axes
+  Matrix6d noise_ = Matrix6d::Zero();   ///< its covariance
 };
 
 /// Of a body whose pose is given.
 class SignificantPose {
  public:
   /// The pose that follows what is given, with a covariance in the body's axes, where it is
-  /// significantly elsewhere. Along other directions it is the mean of all.
+  /// significantly elsewhere. Along other directions it is their mean, weighted by their
+  /// information.
   const SE3d& follow(const SE3d& pose, const Matrix6d& covariance);
   void move_world(const WorldShift& shift);
 
@@ -68,7 +77,7 @@ class SignificantPose {
   };
 
   MotionDirections directions_;
-  std::uint64_t given_ = 0;  ///< number of poses
+  bool has_pose_ = false;
   Pose follower_;
   Pose last_;  ///< given, when the follower moved last
 };
@@ -78,7 +87,8 @@ struct RigMotion {
   SignificantMotion odometry;
   SignificantPose given;
   /// The camera that saw last, if its pose on the body is estimated.
-  std::optional<std::size_t> seen_by = {};
+  std::optional<std::size_t> last_camera = {};
+  bool has_exact_camera = false;  ///< whether one saw by now
 };
 
 }  // namespace posemix::internal

@@ -210,11 +210,11 @@ template <>
 struct StateFields<SignificantMotion> {
   static SignificantMotion blank() { return {}; }
   static auto tie(auto& x) {
-    auto& [directions, left, noise] = x;
-    return std::tie(directions, left, noise);
+    auto& [directions, motion, noise] = x;
+    return std::tie(directions, motion, noise);
   }
   static void validate(const SignificantMotion& x) {
-    require_state(x.left_.allFinite(), "a motion that is finite");
+    require_state(x.motion_.allFinite(), "a motion that is finite");
     require_covariance(x.noise_, kPoseDof);
   }
 };
@@ -223,8 +223,8 @@ template <>
 struct StateFields<SignificantPose> {
   static SignificantPose blank() { return {}; }
   static auto tie(auto& x) {
-    auto& [directions, given, follower, last] = x;
-    return std::tie(directions, given, follower.pose, follower.covariance, last.pose,
+    auto& [directions, has_pose, follower, last] = x;
+    return std::tie(directions, has_pose, follower.pose, follower.covariance, last.pose,
                     last.covariance);
   }
   static void validate(const SignificantPose& x) {
@@ -237,8 +237,8 @@ template <>
 struct StateFields<RigMotion> {
   static RigMotion blank() { return {}; }
   static auto tie(auto& x) {
-    auto& [odometry, given, seen_by] = x;
-    return std::tie(odometry, given, seen_by);
+    auto& [odometry, given, last_camera, has_exact_camera] = x;
+    return std::tie(odometry, given, last_camera, has_exact_camera);
   }
 };
 
@@ -282,7 +282,7 @@ struct StateFields<MultiObjectState> {
     require_state(std::isfinite(x.now_s), "a time that is finite");
     require_covariance(x.world_error, kPoseDof);
     require_state(x.rig.has_value() == (x.joint.extrinsics() > 0) &&
-                      (!x.rig || !x.rig->seen_by || *x.rig->seen_by < x.joint.extrinsics()),
+                      (!x.rig || !x.rig->last_camera || *x.rig->last_camera < x.joint.extrinsics()),
                   "the motion of a body with the cameras that there are");
     require_state(!x.camera_given_at || *x.camera_given_at <= x.update_count,
                   "a camera that was given before the last detection");

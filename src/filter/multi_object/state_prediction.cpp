@@ -78,14 +78,18 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
 }
 
 void MultiObjectState::move_camera_on_body(const SE3d& significant) {
-  if (!rig || !rig->seen_by) return;
-  const std::size_t extrinsic = JointGaussian::extrinsic_block(*rig->seen_by);
+  if (!rig || !rig->last_camera) return;
+  const std::size_t extrinsic = JointGaussian::extrinsic_block(*rig->last_camera);
   const Matrix6d b = significant.adjoint() - joint.pose(kCamera).adjoint();
+  // What the sum changes by where the rest is a motion all the same.
+  const Matrix6d change = b * joint.covariance(extrinsic, extrinsic) * b.transpose();
   joint.combine({kCamera, Matrix6d::Identity(), extrinsic, b});
   KeptMatrix<6> with_rig(joint.rig().rows());
   with_rig.get().setZero();
   with_rig.get().middleRows<6>(offset(extrinsic)) = b.transpose();
   for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_rig.get());
+  joint.add_noise(kCamera, change);
+  joint.make_symmetric();
 }
 
 void MultiObjectState::predict_random_walk(const Matrix6d& given, double dt) {
@@ -163,7 +167,8 @@ void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera
                                     : position.adjoint_congruence(less));
   for (TrackedObject& object : objects) object.belief.release_camera();
   camera_given_at = update_count;
-  if (rig) {
+  // Beside an exact camera the body moves with what is given.
+  if (rig && !rig->has_exact_camera) {
     const SE3d& body = world_camera.mean();
     move_camera_on_body(
         rig->given.follow(body, body.inverse().adjoint_congruence(world_camera.covariance())));
