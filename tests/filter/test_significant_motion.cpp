@@ -129,7 +129,9 @@ TEST(SignificantPose, IsTheMeanOfWhatIsGivenOfABodyThatStands) {
   SE3d last;
   for (int k = 0; k < 2000; ++k) {
     const SE3d now = body.follow(measured(truth, kNoise, stream), kNoise);
-    if (k >= 1000) EXPECT_LT((last.inverse() * now).translation().norm(), 5e-6);
+    if (k >= 1000) {
+      EXPECT_LT((last.inverse() * now).translation().norm(), 5e-6);
+    }
     last = now;
   }
   EXPECT_LT((truth.inverse() * last).translation().norm(), 2e-4);

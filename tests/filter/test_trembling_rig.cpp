@@ -44,14 +44,14 @@ TagTrip trembling_trip(std::uint64_t seed, double uncertain) {
 struct TremblingNees {
   NeesSummary body;
   NeesSummary extrinsic;
-  NeesSummary tag;  ///< from the body
-  double least_sd;  ///< of the position of the camera on the body along any of its axes [m]
+  NeesSummary tag;        ///< from the body
+  double least_sd = 1.0;  ///< of the position of the camera on the body along any of its axes [m]
 };
 
 /// `go` moves the body by a frame.
 template <class Go>
 TremblingNees nees_after(const Go& go, double uncertain = 5.0) {
-  TremblingNees nees{.least_sd = 1.0};
+  TremblingNees nees;
   for (std::uint64_t seed = 1; seed <= kTremblingSeeds; ++seed) {
     TagTrip trip = trembling_trip(seed, uncertain);
     for (std::size_t k = 0; k < kTremblingFrames; ++k) {
