@@ -3,9 +3,12 @@
 #include "significant_motion.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
+
+#include "base/cholesky6.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -36,9 +39,11 @@ bool is_beyond(double deviations, double motion, double variance) {
   return motion * motion > deviations * deviations * variance;
 }
 
-/// A covariance in the axes of a body, after it turned.
+/// From the axes of a body to those that it has after a step.
+SE3d turn_of(const SE3d& step) { return SE3d(step.rotation().inverse(), Eigen::Vector3d::Zero()); }
+
 Matrix6d turned(const Matrix6d& covariance, const SE3d& step) {
-  return SE3d(step.rotation().inverse(), Eigen::Vector3d::Zero()).adjoint_congruence(covariance);
+  return turn_of(step).adjoint_congruence(covariance);
 }
 
 /// The coordinate is independent of the others, with this variance.
@@ -54,24 +59,30 @@ Matrix6d congruence(const Matrix6d& map, const Matrix6d& covariance) {
   return result;
 }
 
+/// The covariance, if it has an inverse, or one near it that has.
+Matrix6d invertible(Matrix6d covariance) {
+  covariance.diagonal().array() = (1.0 + kExactPart) * covariance.diagonal().array() + kExactMotion;
+  return covariance;
+}
+
 }  // namespace
 
 MotionDirections::Coordinates MotionDirections::beside(const Matrix6d& noise) const {
-  Matrix6d unit = noise_ + noise;
-  unit.diagonal().array() = (1.0 + kExactPart) * unit.diagonal().array() + kExactMotion;
+  const Matrix6d unit = invertible(noise_.isZero(0.0) ? noise : noise_);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(motions_, unit);
   const Matrix6d& axes = solver.eigenvectors();
   return {axes.transpose(), unit * axes};
 }
 
 void MotionDirections::add(const Vector6d& motion, const Matrix6d& noise) {
-  motions_ = kKeptDirections * motions_ + motion * motion.transpose();
-  noise_ = kKeptDirections * noise_ + noise;
+  // By the size of its error: that of a poor pose would decide else.
+  const double weight = std::exp(-Cholesky6(invertible(noise)).log_det() / 6.0);
+  motions_ = kKeptDirections * motions_ + weight * motion * motion.transpose();
+  noise_ = kKeptDirections * noise_ + weight * noise;
 }
 
 SE3d SignificantMotion::take(const SE3d& step, const Matrix6d& q) {
-  const SE3d turn(step.rotation().inverse(), Eigen::Vector3d::Zero());
-  motion_ = turn.adjoint() * motion_ + step.log();
+  motion_ = turn_of(step).adjoint() * motion_ + step.log();
   noise_ = turned(noise_, step) + q;
   const MotionDirections::Coordinates axes = directions_.beside(noise_);
   Vector6d motion = axes.to * motion_;
