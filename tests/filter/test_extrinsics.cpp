@@ -62,6 +62,21 @@ struct PlainFilter {
   SE3d camera(std::optional<std::size_t> camera) const {
     return camera ? poses[0] * poses[1 + *camera] : poses[0];
   }
+  /// Eq. (38), with the part of the motion that is `significant`.
+  void predict(const SE3d& motion, const Matrix6d& q, const SE3d& significant,
+               std::optional<std::size_t> last) {
+    const SE3d before = poses[0];
+    poses[0] = before * motion;
+    p.topLeftCorner<6, 6>() += poses[0].adjoint_congruence(q);
+    if (!last) return;
+    const Eigen::Index at = 6 + 6 * static_cast<Eigen::Index>(*last);
+    const Matrix6d b = (before * significant).adjoint() - poses[0].adjoint();
+    const Matrix6d rest = b * p.block<6, 6>(at, at) * b.transpose();
+    Eigen::MatrixXd t = Eigen::MatrixXd::Identity(p.rows(), p.cols());
+    t.block<6, 6>(0, at) = b;
+    p = t * p * t.transpose();
+    p.topLeftCorner<6, 6>() += rest;
+  }
   void begin(std::optional<std::size_t> from, const SE3d& seen, const Matrix6d& r) {
     const Eigen::MatrixXd m = seeing(from);
     const Eigen::Index n = p.rows();
@@ -96,10 +111,15 @@ struct PlainFilter {
   }
 };
 
-TEST(Extrinsics, WithOneModeTheFilterIsTheJointKalmanFilter) {
+/// Of one step of the motion below, a part is within the second noise.
+class ExtrinsicsWithOneMode : public ::testing::TestWithParam<double> {};
+
+TEST_P(ExtrinsicsWithOneMode, AreOfTheJointKalmanFilter) {
   RandomStream random(5, 1);
   const Matrix6d r = isotropic(1.0, 0.005);
-  const Matrix6d q = isotropic(0.03, 0.0003);  // all of the motion is beyond it
+  const Matrix6d q = isotropic(GetParam(), 0.01 * GetParam());
+  internal::SignificantMotion significant;
+  std::optional<std::size_t> last;
   const DetectorNoise noise({{.covariance = r}});
   const ConcentratedGaussian<SE3d> body(SE3d(), isotropic(0.5, 0.01));
   const std::array priors{ConcentratedGaussian<SE3d>(kBodyCamera, isotropic(2, 0.02)),
@@ -119,8 +139,7 @@ TEST(Extrinsics, WithOneModeTheFilterIsTheJointKalmanFilter) {
     const SE3d motion = pose(0.05, 0.02, 0.1, 0.03, 0, 0.02);
     at = at * motion;
     filter.predict_with_odometry(motion, q, 0.1);
-    plain.poses[0] = plain.poses[0] * motion;
-    plain.p.topLeftCorner<6, 6>() += plain.poses[0].adjoint_congruence(q);
+    plain.predict(motion, q, significant.take(motion, q), last);
     const std::size_t object = k < 2 ? 0 : (k / 2) % 2;
     const std::optional<std::size_t> from =
         k % 3 == 2 ? std::nullopt : std::optional<std::size_t>(k % 3);
@@ -132,6 +151,8 @@ TEST(Extrinsics, WithOneModeTheFilterIsTheJointKalmanFilter) {
       plain.update(3 + object, from, seen, r);
     }
     filter.update(object, observation_of(seen), {.camera = from});
+    significant.see();
+    last = from;
   }
   EXPECT_LT((filter.camera().mean() * plain.poses[0].inverse()).log().norm(), 1e-9);
   for (std::size_t i = 0; i < 2; ++i) {
@@ -145,6 +166,30 @@ TEST(Extrinsics, WithOneModeTheFilterIsTheJointKalmanFilter) {
                                         21, 22, 23, 24, 25, 26, 27, 28, 29};
   EXPECT_EQ(filter.joint().mean().size(), 3U);
   EXPECT_LT((filter.joint().covariance() - plain.p(poses, poses)).norm(), 1e-10);
+}
+
+INSTANTIATE_TEST_SUITE_P(Noise, ExtrinsicsWithOneMode, ::testing::Values(0.03, 0.3));
+
+/// A body that is given is independent of all else, as far as an exact camera on it saw by now.
+TEST(Extrinsics, AreIndependentOfABodyThatIsGivenBesideAnExactCamera) {
+  for (const bool is_exact : {false, true}) {
+    MultiObjectState state({SE3d(), isotropic(0.1, 1e-3)},
+                           {{DetectorNoise({{.covariance = isotropic(1.0, 0.01)}})}}, {});
+    state.add_camera({kBodyCamera, isotropic(5, 0.05)});
+    const auto see = [&](const ObservationSource& source) {
+      internal::LogTotals evidence;
+      const auto seen = state.observe(0, observation_of(pose(0.1, 0, 0.2, 0, 0, 1)), source);
+      state.update(0, seen, internal::Starters(1, true), evidence);
+    };
+    if (is_exact) see({});
+    see({.camera = 0});
+    const Matrix6d noise = isotropic(0.1, 1e-3);
+    state.set_camera({SE3d(), noise}, 0.1);
+    see({.camera = 0});
+    state.set_camera({pose(1e-3, 0, 0, 1e-3, 0, 0), noise}, 0.1);
+    const Matrix6d cross = state.joint.covariance(0, 1);
+    EXPECT_EQ(cross.isZero(0.0), is_exact);
+  }
 }
 
 /// With a body that is known and stays, a camera of uncertain pose on it is a body of uncertain

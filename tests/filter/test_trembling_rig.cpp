@@ -108,5 +108,20 @@ TEST(TremblingRig, LearnsTruthOnAPlane) {
   }
 }
 
+/// A pose that is given with a poor one among good ones, or first.
+TEST(TremblingRig, LearnsTruthBesidePoorPoses) {
+  const Matrix6d poor = isotropic(10.0, 1.0);
+  for (const int every : {10, kTremblingFrames}) {
+    int frame = 0;
+    const auto is_given = [&](TagTrip& trip) {
+      const bool is_poor = frame++ % kTremblingFrames % every == 0;
+      trip.go_and_give(pose(0, 0, 0.03, 0.01, 0, 0), is_poor ? poor : kTrembling);
+    };
+    const TremblingNees nees = nees_after(is_given);
+    EXPECT_LT(nees.extrinsic.mean(), 2.0) << every;
+    EXPECT_LT(nees.tag.mean(), 2.0) << every;
+  }
+}
+
 }  // namespace
 }  // namespace posemix

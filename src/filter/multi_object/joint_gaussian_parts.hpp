@@ -30,6 +30,11 @@ struct ConditionalPose {
   Matrix12x6d cross_covariance;       ///< Cov([xi_O; b], xi_C)
   /// Cov([xi_O; b], [xi_E ...]) with the extrinsics that are estimated, six columns each.
   Eigen::Matrix<double, 12, Eigen::Dynamic> extrinsics = {};
+
+  /// The camera's coordinates become xi_C + by xi_E with the extrinsic of that block.
+  void add_extrinsic_to_camera(std::size_t block, const Matrix6d& by) {
+    cross_covariance += extrinsics.middleCols<6>(offset(block) - kPoseDof) * by.transpose();
+  }
 };
 
 /// Moves the mean by [xi_O; b].

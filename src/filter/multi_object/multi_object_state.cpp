@@ -259,11 +259,7 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
                                             const Starters& may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
   object.last_update = ++update_count;
-  if (rig) {
-    rig->odometry.see();
-    rig->last_camera = observed.observation.source.camera;
-    rig->has_exact_camera = rig->has_exact_camera || !rig->last_camera;
-  }
+  if (rig_motion) rig_motion->see(observed.observation.source.camera);
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const DetectionUpdates& updates = observed.updates;

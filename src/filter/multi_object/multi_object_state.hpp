@@ -81,7 +81,7 @@ struct MultiObjectState {
   /// One more camera on the body, before any object is seen.
   void add_camera(const ConcentratedGaussian<SE3d>& body_camera) {
     joint.append_extrinsic(body_camera);
-    if (!rig) rig.emplace();
+    if (!rig_motion) rig_motion.emplace();
   }
   /// One more object, never detected.
   void add_object(const ObjectSensor& sensor, const std::optional<ObjectPrior>& prior = {},
@@ -143,8 +143,8 @@ struct MultiObjectState {
   /// `update_count` when the camera was given last, by set_camera().
   std::optional<std::uint64_t> camera_given_at;
   std::uint64_t next_id = 0;
-  std::uint64_t update_count = 0;     ///< number of detections of all objects so far
-  std::optional<RigMotion> rig = {};  ///< with extrinsics
+  std::uint64_t update_count = 0;            ///< number of detections of all objects so far
+  std::optional<RigMotion> rig_motion = {};  ///< with extrinsics
   ActiveLimits limits = {};
 
   // --- prediction, see MultiObjectFilter

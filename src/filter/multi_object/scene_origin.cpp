@@ -90,7 +90,7 @@ void MultiObjectState::move_world(const WorldShift& shift, MovedBases& shared) {
   for (TrackedObject& object : objects) object.belief.move_world(shift);
   world_error = shift(world_error);
   symmetrize(world_error);
-  if (rig) rig->given.move_world(shift);
+  if (rig_motion) rig_motion->given.move_world(shift);
 }
 
 Eigen::Vector3d GlobalHypotheses::origin_for(const SE3d& camera) const {

@@ -42,7 +42,7 @@ class SignificantMotion {
   /// The part of a step, with the covariance `q` of its error in the body's axes after it, and of
   /// what is left of the steps since the last detection, that is significant.
   SE3d take(const SE3d& step, const Matrix6d& q);
-  /// Nothing is left.
+  /// A detection, which has seen what is left.
   void see() {
     motion_.setZero();
     noise_.setZero();
@@ -84,6 +84,13 @@ class SignificantPose {
 
 /// The motion of a body on which poses of cameras are estimated.
 struct RigMotion {
+  /// A detection by a camera whose pose on the body is estimated, or by an exact one.
+  void see(std::optional<std::size_t> camera) {
+    odometry.see();
+    last_camera = camera;
+    has_exact_camera = has_exact_camera || !camera;
+  }
+
   SignificantMotion odometry;
   SignificantPose given;
   /// The camera that saw last, if its pose on the body is estimated.

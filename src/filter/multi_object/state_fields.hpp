@@ -249,9 +249,9 @@ struct StateFields<MultiObjectState> {
   }
   static auto tie(auto& x) {
     auto& [settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
-           has_known_objects, camera_given_at, next_id, update_count, rig, limits] = x;
+           has_known_objects, camera_given_at, next_id, update_count, rig_motion, limits] = x;
     return std::tie(settings, explained, merge_bounds, joint, objects, world_error, now_s, motion,
-                    has_known_objects, camera_given_at, next_id, update_count, rig, limits);
+                    has_known_objects, camera_given_at, next_id, update_count, rig_motion, limits);
   }
   static void validate(const MultiObjectState& x) {
     std::vector<bool> taken(x.joint.size(), false);
@@ -281,8 +281,9 @@ struct StateFields<MultiObjectState> {
     for (const bool one : taken) require_state(one, "a pose for every block");
     require_state(std::isfinite(x.now_s), "a time that is finite");
     require_covariance(x.world_error, kPoseDof);
-    require_state(x.rig.has_value() == (x.joint.extrinsics() > 0) &&
-                      (!x.rig || !x.rig->last_camera || *x.rig->last_camera < x.joint.extrinsics()),
+    require_state(x.rig_motion.has_value() == (x.joint.extrinsics() > 0) &&
+                      (!x.rig_motion || !x.rig_motion->last_camera ||
+                       *x.rig_motion->last_camera < x.joint.extrinsics()),
                   "the motion of a body with the cameras that there are");
     require_state(!x.camera_given_at || *x.camera_given_at <= x.update_count,
                   "a camera that was given before the last detection");

@@ -73,21 +73,18 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
   const SE3d camera = before * change;
   joint.set_pose(kCamera, camera);
   joint.add_noise(kCamera, camera.adjoint_congruence(within_reach(q)));
-  if (rig) move_camera_on_body(before * rig->odometry.take(change, q));
+  if (rig_motion) move_camera_on_body(before * rig_motion->odometry.take(change, q));
   advance(dt, before);
 }
 
 void MultiObjectState::move_camera_on_body(const SE3d& significant) {
-  if (!rig || !rig->last_camera) return;
-  const std::size_t extrinsic = JointGaussian::extrinsic_block(*rig->last_camera);
+  if (!rig_motion || !rig_motion->last_camera) return;
+  const std::size_t extrinsic = JointGaussian::extrinsic_block(*rig_motion->last_camera);
   const Matrix6d b = significant.adjoint() - joint.pose(kCamera).adjoint();
   // What the sum changes by where the rest is a motion all the same.
   const Matrix6d change = b * joint.covariance(extrinsic, extrinsic) * b.transpose();
   joint.combine({kCamera, Matrix6d::Identity(), extrinsic, b});
-  KeptMatrix<6> with_rig(joint.rig().rows());
-  with_rig.get().setZero();
-  with_rig.get().middleRows<6>(offset(extrinsic)) = b.transpose();
-  for (TrackedObject& object : objects) object.belief.add_to_cross_covariances(with_rig.get());
+  for (TrackedObject& object : objects) object.belief.add_extrinsic_to_camera(extrinsic, b);
   joint.add_noise(kCamera, change);
   joint.make_symmetric();
 }
@@ -168,10 +165,10 @@ void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera
   for (TrackedObject& object : objects) object.belief.release_camera();
   camera_given_at = update_count;
   // Beside an exact camera the body moves with what is given.
-  if (rig && !rig->has_exact_camera) {
+  if (rig_motion && !rig_motion->has_exact_camera) {
     const SE3d& body = world_camera.mean();
-    move_camera_on_body(
-        rig->given.follow(body, body.inverse().adjoint_congruence(world_camera.covariance())));
+    move_camera_on_body(rig_motion->given.follow(
+        body, body.inverse().adjoint_congruence(world_camera.covariance())));
   }
   advance(dt, before);
 }

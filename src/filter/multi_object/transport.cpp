@@ -233,9 +233,7 @@ void Transport::follow_in_joint(const PairTransport& pair) {
 void Transport::add_extrinsic(const SE3d& body, double sign) {
   const Matrix6d by = sign * body.adjoint();
   joint_.combine({kCamera, Matrix6d::Identity(), *extrinsic_, by});
-  const Index column = offset(*extrinsic_) - kPoseDof;
-  for (ConditionalPose* other : others_)
-    other->cross_covariance += other->extrinsics.middleCols<6>(column) * by.transpose();
+  for (ConditionalPose* other : others_) other->add_extrinsic_to_camera(*extrinsic_, by);
 }
 
 void Transport::transport_covariances() {
