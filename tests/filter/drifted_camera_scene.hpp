@@ -47,11 +47,16 @@ class TagTrip {
   /// From now on a camera on the body sees, whose pose there is known with this covariance.
   void see_from(const SE3d& body_camera, const Matrix6d& covariance) {
     mount_ = SE3d::exp(draw(covariance, stream_)) * body_camera;
+    mounts_.push_back(mount_);
     source_.camera = filter_.add_camera({body_camera, covariance});
   }
   /// The detector turns the tag by `turn`, to one that looks the same.
   ObjectUpdateReport see(std::size_t tag, const SE3d& turn = {}) {
     return filter_.update(tag, seen((camera_ * mount_).inverse() * tags_[tag] * turn), source_);
+  }
+  /// With the camera that was added first, where there is another one.
+  void see_from_first(std::size_t tag) {
+    filter_.update(tag, seen((camera_ * mounts_[0]).inverse() * tags_[tag]), {.camera = 0});
   }
   /// With the camera that is the body itself.
   void see_exactly(std::size_t tag) { filter_.update(tag, seen(camera_.inverse() * tags_[tag])); }
@@ -140,7 +145,8 @@ class TagTrip {
   }
 
   SE3d camera_ = pose(0.1, 0.2, 0.3, 0, 0, 0);
-  SE3d mount_;
+  SE3d mount_;  ///< of the camera that sees
+  std::vector<SE3d> mounts_;
   ObservationSource source_;
   std::vector<SE3d> tags_;
   RandomStream stream_;

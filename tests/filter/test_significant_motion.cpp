@@ -12,6 +12,7 @@
 namespace posemix {
 namespace {
 
+using internal::near_body;
 using internal::SignificantMotion;
 using internal::SignificantPose;
 using internal::WorldShift;
@@ -159,6 +160,27 @@ TEST(SignificantPose, FollowsABodyThatMoves) {
     EXPECT_LT((truth.inverse() * now).log().cwiseQuotient(kNoise.diagonal().cwiseSqrt()).norm(),
               8.0);
   }
+}
+
+/// No nearer than eight standard deviations, and by steps that are small where the body's are.
+TEST(NearBody, FollowsBeyondWhatDetectionsAloneTellOfABodyThatStands) {
+  const SE3d at = pose(0.3, -0.2, 0.5, 1.0, 2.0, 0.3);
+  const Matrix6d noise = isotropic(1.0, 2e-3);
+  const auto deviations = [&](const SE3d& from, const SE3d& to) {
+    return (to * from.inverse()).log().cwiseQuotient(noise.diagonal().cwiseSqrt()).norm();
+  };
+  const SE3d near = SE3d::exp(Vector6d::Unit(4) * 0.0159) * at;
+  EXPECT_TRUE((near_body(at, near, noise).inverse() * at).log().isZero(0.0));
+  SE3d follower = at;
+  SE3d body = at;
+  for (int k = 0; k < 100; ++k) {
+    body = SE3d::exp(Vector6d::Unit(4) * 5e-3) * body;
+    const SE3d before = follower;
+    follower = near_body(follower, body, noise);
+    EXPECT_LT(deviations(before, follower), 2.5 + 1e-9);
+    EXPECT_LT(deviations(follower, body), 8.0 + 1e-9);
+  }
+  EXPECT_NEAR(deviations(follower, body), 8.0, 1e-9);
 }
 
 TEST(SignificantPose, MovesWithTheWorld) {

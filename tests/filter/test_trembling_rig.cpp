@@ -108,6 +108,42 @@ TEST(TremblingRig, LearnsTruthOnAPlane) {
   }
 }
 
+/// Beside another camera, exact or as uncertain, that sees other tags: both in every frame.
+TEST(TremblingRig, LearnsNothingFromCamerasThatSeeDifferentTags) {
+  const SE3d body = pose(0.1, 0.2, 0.3, 0, 0, 0);
+  std::vector<SE3d> tags = three_tags();
+  tags[2] = body * pose(0.9, 0.2, 0, 0.1, -0.4, -1.5);
+  const auto of_two = [&](double uncertain, auto go) {
+    TremblingNees nees;
+    for (std::uint64_t seed = 1; seed <= kTremblingSeeds; ++seed) {
+      TagTrip trip(seed, sharp_tag_noise(2e-3), tags);
+      const Matrix6d covariance = isotropic(uncertain, 0.01 * uncertain);
+      if (uncertain > 0.0) trip.see_from(pose(3.0, 0.1, 0, 0.1, -0.1, -0.05), covariance);
+      trip.see_from(kTremblingCamera, isotropic(5.0, 0.05));
+      for (std::size_t k = 0; k < kTremblingFrames; ++k) {
+        go(trip);
+        trip.see(k / 4 % 2);
+        if (uncertain > 0.0) trip.see_from_first(2);
+        if (uncertain == 0.0) trip.see_exactly(2);
+      }
+      nees.extrinsic.add(trip.extrinsic_nees());
+      nees.tag.add(trip.relative_nees(0));
+      nees.body.add(trip.relative_nees(2));
+    }
+    return nees;
+  };
+  const auto drives = [](TagTrip& trip) { trip.go(pose(0, 0, 0.03, 0.01, 0, 0), kTrembling); };
+  const auto stands = [](TagTrip& trip) { trip.go(SE3d(), kTrembling); };
+  const auto is_given = [](TagTrip& trip) { trip.go_and_give(SE3d(), kTrembling); };
+  for (const double uncertain : {0.0, 5.0}) {
+    for (const TremblingNees& nees : {of_two(uncertain, stands), of_two(uncertain, is_given)})
+      expect_true_nees({nees.extrinsic, nees.tag, nees.body});
+    const TremblingNees nees = of_two(uncertain, drives);
+    EXPECT_LT(nees.extrinsic.mean(), 2.5);
+    expect_true_nees({nees.tag, nees.body});
+  }
+}
+
 /// A pose that is given with a poor one among good ones, or first.
 TEST(TremblingRig, LearnsTruthBesidePoorPoses) {
   const Matrix6d poor = isotropic(10.0, 1.0);

@@ -79,11 +79,12 @@ SE3d JointGaussian::seeing_camera(const ObservationSource& source) const {
          (source.camera ? pose(extrinsic_block(*source.camera)) : source.body_camera);
 }
 
-/// T_world_body Exp(xi_E) T_body_camera = Exp(Ad xi_E) T_world_body T_body_camera.
+/// T_world_body Exp(xi_E) T_body_camera = Exp(Ad xi_E) T_world_body T_body_camera, with Ad where
+/// the body is known to have moved to.
 Eigen::MatrixXd JointGaussian::seen_by(const ObservationSource& source) const {
   Eigen::MatrixXd map = Eigen::MatrixXd::Identity(6, rig_dof());
   if (source.camera)
-    map.middleCols<6>(offset(extrinsic_block(*source.camera))) = pose(kCamera).adjoint();
+    map.middleCols<6>(offset(extrinsic_block(*source.camera))) = seen_at().adjoint();
   return map;
 }
 

@@ -259,7 +259,11 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
                                             const Starters& may_start, LogTotals& evidence) {
   TrackedObject& object = objects[j];
   object.last_update = ++update_count;
-  if (rig_motion) rig_motion->see(observed.observation.source.camera);
+  if (rig_motion) {
+    rig_motion->see(observed.observation.source.camera);
+    if (observed.observation.source.camera && !joint.has_seen())
+      joint.set_seen_at(joint.pose(kCamera));
+  }
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];
   const DetectionUpdates& updates = observed.updates;

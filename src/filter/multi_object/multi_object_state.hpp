@@ -187,9 +187,8 @@ struct MultiObjectState {
   Matrix6d within_reach(const Matrix6d& covariance, const Matrix6d& before) const;
   /// The same of the noise of the camera's motion.
   Matrix6d within_reach(const Matrix6d& q) const;
-  /// The error of the camera that saw last is what it would be had the body moved to `significant`:
-  /// eq. (38) of docs/many-objects.md.
-  void move_camera_on_body(const SE3d& significant);
+  /// The camera gets the covariance of `map` xi_E as noise, for every extrinsic.
+  void add_noise_of_extrinsics(const Matrix6d& map);
   void update_weights(TrackedObject& object, const ObservedDetection& observed, double share) const;
   Alternatives births_of(const TrackedObject& object, const WeighedObservation& observation,
                          const Starters& may_start, double share, BirthPlaces* put_down = nullptr);

@@ -30,6 +30,11 @@ constexpr double kSignificantlyAside = 6.0;
 /// as a part of that of the pose: what it errs by along the way would last else.
 constexpr double kWander = 1e-4;
 
+/// Standard deviations of a detection that the pose of the body at which cameras are linearised may
+/// be from it. Two detections of a body that stands are farther apart once in 6e4, and what is
+/// taken then is the rest.
+constexpr double kSlack = 8.0;
+
 /// Of a motion that is exact [rad^2, m^2], and of one along other axes than those of a covariance
 /// without an inverse, as a part of its variances.
 constexpr double kExactMotion = 1e-18;
@@ -126,6 +131,13 @@ const SE3d& SignificantPose::follow(const SE3d& pose, const Matrix6d& covariance
   directions_.add(motion.log(), turned(last_.covariance, motion) + covariance);
   last_ = {pose, covariance};
   return follower_.pose;
+}
+
+SE3d near_body(const SE3d& at, const SE3d& body, const Matrix6d& noise) {
+  const Vector6d apart = (body * at.inverse()).log();
+  const double deviations = Cholesky6(noise).whitened(apart).norm();
+  if (!(deviations > kSlack)) return at;
+  return SE3d::exp((1.0 - kSlack / deviations) * apart) * at;
 }
 
 void SignificantPose::move_world(const WorldShift& shift) {

@@ -42,7 +42,7 @@ class SignificantMotion {
   /// The part of a step, with the covariance `q` of its error in the body's axes after it, and of
   /// what is left of the steps since the last detection, that is significant.
   SE3d take(const SE3d& step, const Matrix6d& q);
-  /// A detection, which has seen what is left.
+  /// A detection by a camera whose pose is estimated, which has seen what is left.
   void see() {
     motion_.setZero();
     noise_.setZero();
@@ -82,19 +82,24 @@ class SignificantPose {
   Pose last_;  ///< given, when the follower moved last
 };
 
+/// The pose at which cameras on a body are linearised, that follows it after a detection with this
+/// noise, world frame: no nearer than where detections alone take a body that stands.
+SE3d near_body(const SE3d& at, const SE3d& body, const Matrix6d& noise);
+
 /// The motion of a body on which poses of cameras are estimated.
 struct RigMotion {
   /// A detection by a camera whose pose on the body is estimated, or by an exact one.
   void see(std::optional<std::size_t> camera) {
-    odometry.see();
-    last_camera = camera;
+    if (camera) odometry.see();
     has_exact_camera = has_exact_camera || !camera;
   }
+  /// Whether a correction by a camera whose pose is estimated is one of that camera, which the body
+  /// has to follow, and not a motion that an exact camera tells, too.
+  bool corrects_camera() const { return is_told || !has_exact_camera; }
 
   SignificantMotion odometry;
   SignificantPose given;
-  /// The camera that saw last, if its pose on the body is estimated.
-  std::optional<std::size_t> last_camera = {};
+  bool is_told = true;            ///< how the body moved last: by odometry or a pose
   bool has_exact_camera = false;  ///< whether one saw by now
 };
 

@@ -237,8 +237,8 @@ template <>
 struct StateFields<RigMotion> {
   static RigMotion blank() { return {}; }
   static auto tie(auto& x) {
-    auto& [odometry, given, last_camera, has_exact_camera] = x;
-    return std::tie(odometry, given, last_camera, has_exact_camera);
+    auto& [odometry, given, is_told, has_exact_camera] = x;
+    return std::tie(odometry, given, is_told, has_exact_camera);
   }
 };
 
@@ -281,9 +281,7 @@ struct StateFields<MultiObjectState> {
     for (const bool one : taken) require_state(one, "a pose for every block");
     require_state(std::isfinite(x.now_s), "a time that is finite");
     require_covariance(x.world_error, kPoseDof);
-    require_state(x.rig_motion.has_value() == (x.joint.extrinsics() > 0) &&
-                      (!x.rig_motion || !x.rig_motion->last_camera ||
-                       *x.rig_motion->last_camera < x.joint.extrinsics()),
+    require_state(x.rig_motion.has_value() == (x.joint.extrinsics() > 0),
                   "the motion of a body with the cameras that there are");
     require_state(!x.camera_given_at || *x.camera_given_at <= x.update_count,
                   "a camera that was given before the last detection");

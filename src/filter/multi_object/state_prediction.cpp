@@ -73,24 +73,27 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
   const SE3d camera = before * change;
   joint.set_pose(kCamera, camera);
   joint.add_noise(kCamera, camera.adjoint_congruence(within_reach(q)));
-  if (rig_motion) move_camera_on_body(before * rig_motion->odometry.take(change, q));
+  if (rig_motion) rig_motion->is_told = true;
+  if (joint.has_seen()) {
+    const SE3d at = joint.seen_at();
+    joint.set_seen_at(at * rig_motion->odometry.take(change, q));
+    add_noise_of_extrinsics(joint.seen_at().adjoint() - at.adjoint() -
+                            (camera.adjoint() - before.adjoint()));
+  }
   advance(dt, before);
 }
 
-void MultiObjectState::move_camera_on_body(const SE3d& significant) {
-  if (!rig_motion || !rig_motion->last_camera) return;
-  const std::size_t extrinsic = JointGaussian::extrinsic_block(*rig_motion->last_camera);
-  const Matrix6d b = significant.adjoint() - joint.pose(kCamera).adjoint();
-  // What the sum changes by where the rest is a motion all the same.
-  const Matrix6d change = b * joint.covariance(extrinsic, extrinsic) * b.transpose();
-  joint.combine({kCamera, Matrix6d::Identity(), extrinsic, b});
-  for (TrackedObject& object : objects) object.belief.add_extrinsic_to_camera(extrinsic, b);
-  joint.add_noise(kCamera, change);
-  joint.make_symmetric();
+void MultiObjectState::add_noise_of_extrinsics(const Matrix6d& map) {
+  for (std::size_t e = 0; e < joint.extrinsics(); ++e) {
+    const std::size_t block = JointGaussian::extrinsic_block(e);
+    const Matrix6d covariance = joint.covariance(block, block);
+    joint.add_noise(kCamera, map * covariance * map.transpose());
+  }
 }
 
 void MultiObjectState::predict_random_walk(const Matrix6d& given, double dt) {
   const Matrix6d q = within_reach(given);
+  if (rig_motion) rig_motion->is_told = false;
   if (!lose_camera(q)) joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
   advance(dt, std::nullopt);
 }
@@ -120,6 +123,7 @@ bool MultiObjectState::lose_camera(const Matrix6d& q) {
 void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d& q,
                                                  const Matrix6d& q_motion, const Matrix6d& at_rest,
                                                  double dt) {
+  if (rig_motion) rig_motion->is_told = false;
   if (!motion) motion = joint.append_motion(SE3d(), at_rest);
   const std::size_t at = *motion;
   const SE3d camera = joint.pose(kCamera);
@@ -147,8 +151,6 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
   joint.add_noise(kCamera, moved.adjoint_congruence(within_reach(q)));
   joint.add_noise(at, velocity.adjoint_congruence(q_motion));
   joint.make_symmetric();
-  // The motion itself is told by the cameras.
-  move_camera_on_body(camera);
   advance(dt, std::nullopt);
 }
 
@@ -164,11 +166,15 @@ void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera
                                     : position.adjoint_congruence(less));
   for (TrackedObject& object : objects) object.belief.release_camera();
   camera_given_at = update_count;
-  // Beside an exact camera the body moves with what is given.
-  if (rig_motion && !rig_motion->has_exact_camera) {
+  if (rig_motion) {
+    rig_motion->is_told = true;
     const SE3d& body = world_camera.mean();
-    move_camera_on_body(rig_motion->given.follow(
-        body, body.inverse().adjoint_congruence(world_camera.covariance())));
+    const SE3d& at = rig_motion->given.follow(
+        body, body.inverse().adjoint_congruence(world_camera.covariance()));
+    if (joint.has_seen()) {
+      joint.set_seen_at(at);
+      add_noise_of_extrinsics(at.adjoint() - body.adjoint());
+    }
   }
   advance(dt, before);
 }

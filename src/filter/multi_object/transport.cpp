@@ -10,6 +10,7 @@
 
 #include "camera_regression.hpp"
 #include "joint_gaussian.hpp"
+#include "significant_motion.hpp"
 
 namespace posemix::internal {
 namespace {
@@ -151,6 +152,7 @@ Transport::Transport(JointGaussian& joint, std::size_t object, const Observation
     : joint_(joint),
       object_(object),
       range_(inlier.white),
+      noise_(inlier.noise),
       is_needed_(is_whole &&
                  is_far_less_certain(state.difference(), inlier.noise, state.object.translation())),
       others_(std::move(others)) {
@@ -188,7 +190,7 @@ PoseMove Transport::move_of_camera() {
   const Vector6d by_body = (joint_.pose(kCamera) * body.inverse()).log();
   const Vector6d by_extrinsic = (joint_.pose(*extrinsic_) * extrinsic.inverse()).log();
   const SE3d from = body * extrinsic;
-  const SE3d to = SE3d::exp(by_body + body.adjoint() * by_extrinsic) * from;
+  const SE3d to = SE3d::exp(by_body + joint_.seen_at().adjoint() * by_extrinsic) * from;
   joint_.set_pose(kCamera, to * joint_.pose(*extrinsic_).inverse());
   return {from, to};
 }
@@ -228,10 +230,10 @@ void Transport::follow_in_joint(const PairTransport& pair) {
   if (is_passive) joint_.activate_all();
 }
 
-/// xi_C + `sign` Ad_C xi_E in place of xi_C: with 1 the error of the camera that sees, and with -1
-/// that of the body again, where the body is at C.
-void Transport::add_extrinsic(const SE3d& body, double sign) {
-  const Matrix6d by = sign * body.adjoint();
+/// xi_C + `sign` Ad_A xi_E in place of xi_C, where cameras are linearised at A: with 1 the error of
+/// the camera that sees, and with -1 that of the body again.
+void Transport::add_extrinsic(double sign) {
+  const Matrix6d by = sign * joint_.seen_at().adjoint();
   joint_.combine({kCamera, Matrix6d::Identity(), *extrinsic_, by});
   for (ConditionalPose* other : others_) other->add_extrinsic_to_camera(*extrinsic_, by);
 }
@@ -243,10 +245,16 @@ void Transport::transport_covariances() {
     transport_pose(*others_[k], others_maps_[k].value_or(TransportMap()), moments, rig);
 }
 
-void Transport::apply() {
-  if (extrinsic_) add_extrinsic(from_[kCamera], 1.0);
+void Transport::apply(bool corrects_camera) {
+  const SE3d at = joint_.seen_at();
+  const SE3d to = joint_.has_seen() ? near_body(at, joint_.pose(kCamera), noise_) : at;
+  const bool stays = to.matrix() == at.matrix();
+  if (stays && maps_.empty()) return;
+  if (extrinsic_) add_extrinsic(1.0);
   if (!maps_.empty()) transport_covariances();
-  if (extrinsic_) add_extrinsic(joint_.pose(kCamera), -1.0);
+  if (corrects_camera && !stays) joint_.set_seen_at(to);
+  if (extrinsic_) add_extrinsic(-1.0);
+  if (!stays) joint_.set_seen_at(to);
 }
 
 }  // namespace posemix::internal

@@ -97,9 +97,8 @@ struct TransportMoments {
 void transport_pose(ConditionalPose& pose, const TransportMap& map, const TransportMoments& moments,
                     const RegularFactor& rig);
 
-/// The transport of everything after an update, and on a rig the coordinates of body and extrinsic
-/// where they are then. Made before the update, which gets the poses by reference: those of the
-/// joint Gaussian, and those that depend on it through the camera.
+/// The transport of everything after an update. Made before the update, which gets the poses by
+/// reference: those of the joint Gaussian, and those that depend on it through the camera.
 class Transport {
  public:
   /// `object` is the index of the one that is detected, by `source`; `state` is that of its leading
@@ -112,14 +111,15 @@ class Transport {
   /// The poses have moved: the camera that sees has the pose of its sum, and those that moved with
   /// camera or object beyond the linear range move on.
   void follow();
-  /// Transports the covariances.
-  void apply();
+  /// Transports the covariances. Where cameras on the body are linearised follows it, eq. (38) of
+  /// docs/many-objects.md: the error of the camera that sees stays where that is what is corrected.
+  void apply(bool corrects_camera);
 
  private:
   bool is_far() const;
   PoseMove move_of_camera();
   void follow_in_joint(const PairTransport& pair);
-  void add_extrinsic(const SE3d& body, double sign);
+  void add_extrinsic(double sign);
   void transport_covariances();
 
   JointGaussian& joint_;
@@ -127,6 +127,7 @@ class Transport {
   /// The block of a camera on the body whose pose is estimated, if it is that which sees.
   std::optional<std::size_t> extrinsic_;
   LinearRange range_;
+  Matrix6d noise_;  ///< of the detection, world frame
   bool is_needed_;
   Matrix6d camera_part_;
   KeptVector<SE3d> from_;  ///< by block of the joint Gaussian
