@@ -82,6 +82,7 @@ struct PlainFilter {
     const Eigen::Index n = p.rows();
     poses.push_back(camera(from) * seen);
     if (from && !seen_at) seen_at = poses[0];
+    if (!from) is_seen_exactly = true;
     Eigen::MatrixXd next(n + 6, n + 6);
     next << p, p * m.transpose(), m * p, m * p * m.transpose() + poses.back().adjoint_congruence(r);
     p = next;
@@ -101,7 +102,7 @@ struct PlainFilter {
       poses[i] = SE3d::exp(moved.segment<6>(6 * static_cast<Eigen::Index>(i))) * poses[i];
     p -= k * s * k.transpose();
     if (from) move_body_with_camera(before[0], before[1 + *from], *from, moved);
-    follow_body(from, noise);
+    follow_body(from, noise, before[0]);
   }
   void move_body_with_camera(const SE3d& body, const SE3d& extrinsic, std::size_t from,
                              const Eigen::VectorXd& moved) {
@@ -109,20 +110,25 @@ struct PlainFilter {
     const Vector6d by_camera = moved.head<6>() + map() * moved.segment<6>(at);
     poses[0] = SE3d::exp(by_camera) * body * extrinsic * poses[1 + from].inverse();
   }
-  /// Beyond eight standard deviations of a detection, and the error of the camera that saw stays.
-  void follow_body(std::optional<std::size_t> from, const Matrix6d& r) {
+  /// Beyond eight standard deviations of a detection. The error of the camera that saw stays but
+  /// beside an exact one, which did not tell of it where one detection moved the body so far.
+  void follow_body(std::optional<std::size_t> from, const Matrix6d& r, const SE3d& body_before) {
+    if (!from) is_seen_exactly = true;
     if (!seen_at) return;
-    const Vector6d apart = (poses[0] * seen_at->inverse()).log();
-    const double deviations = std::sqrt(apart.dot(r.inverse() * apart));
-    if (deviations <= 8.0) return;
+    const auto apart = [&](const SE3d& a) { return Vector6d((poses[0] * a.inverse()).log()); };
+    const auto deviations = [&](const Vector6d& d) { return std::sqrt(d.dot(r.inverse() * d)); };
+    if (from && deviations(apart(body_before)) > 8.0) is_seen_exactly = false;
+    const Vector6d behind = apart(*seen_at);
+    if (deviations(behind) <= 8.0) return;
     const Matrix6d before = map();
-    seen_at = SE3d::exp((1.0 - 8.0 / deviations) * apart) * *seen_at;
+    seen_at = SE3d::exp((1.0 - 8.0 / deviations(behind)) * behind) * *seen_at;
     followed = true;
-    if (!from) return;
+    if (!from || is_seen_exactly) return;
     Eigen::MatrixXd t = Eigen::MatrixXd::Identity(p.rows(), p.cols());
     t.block<6, 6>(0, 6 + 6 * static_cast<Eigen::Index>(*from)) = before - map();
     p = t * p * t.transpose();
   }
+  bool is_seen_exactly = false;
   bool followed = false;
 };
 

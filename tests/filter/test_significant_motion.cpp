@@ -183,6 +183,23 @@ TEST(NearBody, FollowsBeyondWhatDetectionsAloneTellOfABodyThatStands) {
   EXPECT_NEAR(deviations(follower, body), 8.0, 1e-9);
 }
 
+/// Ten kilometres away, with axes along which it never moved, too.
+TEST(SignificantPose, IsTheSameFarFromTheOrigin) {
+  RandomStream stream(1, 5);
+  const SE3d shift(SO3d(), Eigen::Vector3d(1e4, -2e3, 30.0));
+  SignificantPose near;
+  SignificantPose far;
+  SE3d truth = pose(0.3, -0.2, 0.5, 1.0, 2.0, 0.3);
+  for (int k = 0; k < 60; ++k) {
+    if (k % 20 > 15) truth = truth * pose(0, 0, 0.03, 0.02, 0, 0);
+    const SE3d given = measured(truth, kNoise, stream);
+    const SE3d one = near.follow(given, kNoise);
+    const SE3d other = shift.inverse() * far.follow(shift * given, kNoise);
+    const Vector6d apart = (one.inverse() * other).log();
+    EXPECT_LT(apart.cwiseQuotient(kNoise.diagonal().cwiseSqrt()).norm(), 1e-4) << k;
+  }
+}
+
 TEST(SignificantPose, MovesWithTheWorld) {
   SignificantPose near;
   SignificantPose far;

@@ -35,6 +35,9 @@ constexpr double kWander = 1e-4;
 /// taken then is the rest.
 constexpr double kSlack = 8.0;
 
+/// Square of a motion beside its noise that tells no direction.
+constexpr double kLittleMotion = 1e-7;
+
 /// Of a motion that is exact [rad^2, m^2], and of one along other axes than those of a covariance
 /// without an inverse, as a part of its variances.
 constexpr double kExactMotion = 1e-18;
@@ -74,7 +77,11 @@ Matrix6d invertible(Matrix6d covariance) {
 
 MotionDirections::Coordinates MotionDirections::beside(const Matrix6d& noise) const {
   const Matrix6d unit = invertible(noise_.isZero(0.0) ? noise : noise_);
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(motions_, unit);
+  // Where nothing moved directions would be those of rounding.
+  const Matrix6d factor = Cholesky6(unit).factor();
+  const Vector6d order = Vector6d::LinSpaced(6.0 * kLittleMotion, kLittleMotion);
+  const Matrix6d motions = motions_ + factor * order.asDiagonal() * factor.transpose();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> solver(motions, unit);
   const Matrix6d& axes = solver.eigenvectors();
   return {axes.transpose(), unit * axes};
 }
@@ -138,6 +145,10 @@ SE3d near_body(const SE3d& at, const SE3d& body, const Matrix6d& noise) {
   const double deviations = Cholesky6(noise).whitened(apart).norm();
   if (!(deviations > kSlack)) return at;
   return SE3d::exp((1.0 - kSlack / deviations) * apart) * at;
+}
+
+bool is_elsewhere(const SE3d& before, const SE3d& body, const Matrix6d& noise) {
+  return Cholesky6(noise).whitened((body * before.inverse()).log()).norm() > kSlack;
 }
 
 void SignificantPose::move_world(const WorldShift& shift) {

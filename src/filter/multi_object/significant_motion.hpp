@@ -85,22 +85,24 @@ class SignificantPose {
 /// The pose at which cameras on a body are linearised, that follows it after a detection with this
 /// noise, world frame: no nearer than where detections alone take a body that stands.
 SE3d near_body(const SE3d& at, const SE3d& body, const Matrix6d& noise);
+/// Whether a body is farther from where it was than detections with this noise take one that
+/// stands.
+bool is_elsewhere(const SE3d& before, const SE3d& body, const Matrix6d& noise);
 
 /// The motion of a body on which poses of cameras are estimated.
 struct RigMotion {
   /// A detection by a camera whose pose on the body is estimated, or by an exact one.
   void see(std::optional<std::size_t> camera) {
     if (camera) odometry.see();
-    has_exact_camera = has_exact_camera || !camera;
+    if (!camera) is_seen_exactly = true;
   }
-  /// Whether a correction by a camera whose pose is estimated is one of that camera, which the body
-  /// has to follow, and not a motion that an exact camera tells, too.
-  bool corrects_camera() const { return is_told || !has_exact_camera; }
 
   SignificantMotion odometry;
   SignificantPose given;
-  bool is_told = true;            ///< how the body moved last: by odometry or a pose
-  bool has_exact_camera = false;  ///< whether one saw by now
+  bool is_told = true;  ///< how the body moved last: by odometry or a pose
+  /// Whether an exact camera has told where the body is, and no other one since that it is
+  /// elsewhere.
+  bool is_seen_exactly = false;
 };
 
 }  // namespace posemix::internal

@@ -237,8 +237,8 @@ template <>
 struct StateFields<RigMotion> {
   static RigMotion blank() { return {}; }
   static auto tie(auto& x) {
-    auto& [odometry, given, is_told, has_exact_camera] = x;
-    return std::tie(odometry, given, is_told, has_exact_camera);
+    auto& [odometry, given, is_told, is_seen_exactly] = x;
+    return std::tie(odometry, given, is_told, is_seen_exactly);
   }
 };
 

@@ -33,7 +33,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   for (Alternative& birth : births) step.carry(birth.pose);
   transport.follow();
   shift_back(object, damped, change, births);
-  transport.apply(!rig_motion || rig_motion->corrects_camera());
+  transport.apply(rig_motion ? &*rig_motion : nullptr);
 }
 
 /// Those of the hypotheses that do not lead, and of births.

@@ -153,6 +153,7 @@ Transport::Transport(JointGaussian& joint, std::size_t object, const Observation
       object_(object),
       range_(inlier.white),
       noise_(inlier.noise),
+      body_(joint.pose(kCamera)),
       is_needed_(is_whole &&
                  is_far_less_certain(state.difference(), inlier.noise, state.object.translation())),
       others_(std::move(others)) {
@@ -245,14 +246,16 @@ void Transport::transport_covariances() {
     transport_pose(*others_[k], others_maps_[k].value_or(TransportMap()), moments, rig);
 }
 
-void Transport::apply(bool corrects_camera) {
+void Transport::apply(RigMotion* rig) {
   const SE3d at = joint_.seen_at();
-  const SE3d to = joint_.has_seen() ? near_body(at, joint_.pose(kCamera), noise_) : at;
+  const SE3d& body = joint_.pose(kCamera);
+  if (extrinsic_ && rig->is_told && is_elsewhere(body_, body, noise_)) rig->is_seen_exactly = false;
+  const SE3d to = joint_.has_seen() ? near_body(at, body, noise_) : at;
   const bool stays = to.matrix() == at.matrix();
   if (stays && maps_.empty()) return;
   if (extrinsic_) add_extrinsic(1.0);
   if (!maps_.empty()) transport_covariances();
-  if (corrects_camera && !stays) joint_.set_seen_at(to);
+  if (!stays && !rig->is_seen_exactly) joint_.set_seen_at(to);
   if (extrinsic_) add_extrinsic(-1.0);
   if (!stays) joint_.set_seen_at(to);
 }

@@ -11,6 +11,8 @@
 /// (36) of docs/many-objects.md.
 namespace posemix::internal {
 
+struct RigMotion;
+
 class JointGaussian;
 class RegularFactor;
 
@@ -112,8 +114,8 @@ class Transport {
   /// camera or object beyond the linear range move on.
   void follow();
   /// Transports the covariances. Where cameras on the body are linearised follows it, eq. (38) of
-  /// docs/many-objects.md: the error of the camera that sees stays where that is what is corrected.
-  void apply(bool corrects_camera);
+  /// docs/many-objects.md. `rig` is null without such cameras.
+  void apply(RigMotion* rig);
 
  private:
   bool is_far() const;
@@ -128,6 +130,7 @@ class Transport {
   std::optional<std::size_t> extrinsic_;
   LinearRange range_;
   Matrix6d noise_;  ///< of the detection, world frame
+  SE3d body_;       ///< before it
   bool is_needed_;
   Matrix6d camera_part_;
   KeptVector<SE3d> from_;  ///< by block of the joint Gaussian
