@@ -54,9 +54,10 @@ class TagTrip {
   ObjectUpdateReport see(std::size_t tag, const SE3d& turn = {}) {
     return filter_.update(tag, seen((camera_ * mount_).inverse() * tags_[tag] * turn), source_);
   }
-  /// With the camera that was added first, where there is another one.
-  void see_from_first(std::size_t tag) {
-    filter_.update(tag, seen((camera_ * mounts_[0]).inverse() * tags_[tag]), {.camera = 0});
+  /// With one of the cameras that were added.
+  void see_with(std::size_t camera, std::size_t tag) {
+    filter_.update(tag, seen((camera_ * mounts_[camera]).inverse() * tags_[tag]),
+                   {.camera = camera});
   }
   /// With the camera that is the body itself.
   void see_exactly(std::size_t tag) { filter_.update(tag, seen(camera_.inverse() * tags_[tag])); }

@@ -61,8 +61,7 @@ TEST_P(DriftedRig, KnowsItsOnlyCameraAsBefore) {
       trip.see(k < 5 ? 1 : k % 2);
       trip.go(SE3d(), 1e-3, 1e-5);
     }
-    // What is linear in an error of 10 deg and 0.1 m loses up to 9 % of it.
-    EXPECT_NEAR(extrinsic_sd(trip) / drift.extrinsic_m, 1.0, 0.1);
+    EXPECT_NEAR(extrinsic_sd(trip) / drift.extrinsic_m, 1.0, 1e-3);
     body.add(trip.camera_nees());
     extrinsic.add(trip.extrinsic_nees());
     seen.add(trip.relative_nees(1));

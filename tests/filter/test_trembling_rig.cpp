@@ -134,7 +134,7 @@ TremblingNees nees_of_two(const TwoCameras& cameras, const Go& go, double uncert
     for (std::size_t k = 0; k < kTremblingFrames; ++k) {
       go(trip);
       trip.see(k / 4 % 2);
-      if (!is_exact) trip.see_from_first(2);
+      if (!is_exact) trip.see_with(0, 2);
       if (is_exact) trip.see_exactly(2);
     }
     nees.extrinsic.add(trip.extrinsic_nees());

@@ -84,7 +84,7 @@ SE3d JointGaussian::seeing_camera(const ObservationSource& source) const {
 Eigen::MatrixXd JointGaussian::seen_by(const ObservationSource& source) const {
   Eigen::MatrixXd map = Eigen::MatrixXd::Identity(6, rig_dof());
   if (source.camera)
-    map.middleCols<6>(offset(extrinsic_block(*source.camera))) = seen_at().adjoint();
+    map.middleCols<6>(offset(extrinsic_block(*source.camera))) = linearised_at().adjoint();
   return map;
 }
 

@@ -74,9 +74,9 @@ class JointGaussian {
   }
   /// The pose of the body at which detections by cameras on it are linearised, eq. (38): its own
   /// before the first one.
-  const SE3d& seen_at() const { return seen_at_ ? *seen_at_ : pose(kCamera); }
-  bool has_seen() const { return seen_at_.has_value(); }
-  void set_seen_at(const SE3d& body) { seen_at_ = body; }
+  const SE3d& linearised_at() const { return linearised_at_ ? *linearised_at_ : pose(kCamera); }
+  bool is_linearised() const { return linearised_at_.has_value(); }
+  void linearise_at(const SE3d& body) { linearised_at_ = body; }
   /// T_world_camera of the camera that made an observation.
   SE3d seeing_camera(const ObservationSource& source) const;
   /// The error of that camera is this, 6 rows, times [xi_C; xi_E ...].
@@ -289,8 +289,8 @@ class JointGaussian {
   Eigen::MatrixXd covariance_;  ///< of active blocks and carriers
   std::vector<Carrier> carriers_;
   std::shared_ptr<const Eigen::MatrixXd>
-      base_;                     ///< its lower triangle; null without passive blocks
-  std::optional<SE3d> seen_at_;  ///< none before a detection by an extrinsic
+      base_;                           ///< its lower triangle; null without passive blocks
+  std::optional<SE3d> linearised_at_;  ///< none before a detection by an extrinsic
 };
 
 }  // namespace posemix::internal

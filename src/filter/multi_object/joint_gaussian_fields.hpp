@@ -35,15 +35,16 @@ struct StateFields<JointGaussian> {
     return JointGaussian(ConcentratedGaussian<SE3d>(SE3d(), Matrix6d::Identity()));
   }
   static auto tie(auto& x) {
-    auto& [blocks, extrinsics, covariance, carriers, base, seen_at] = x;
-    return std::tie(blocks, extrinsics, covariance, carriers, base, seen_at);
+    auto& [blocks, extrinsics, covariance, carriers, base, linearised_at] = x;
+    return std::tie(blocks, extrinsics, covariance, carriers, base, linearised_at);
   }
   static void validate(const JointGaussian& x) {
     const auto& covariance = x.covariance_;
     const auto& base = x.base_;
     require_state(x.extrinsics_ < x.blocks_.size() && !x.blocks_.front().is_motion,
                   "a camera, and the poses of cameras on it");
-    require_state(!x.seen_at_ || x.extrinsics_ > 0, "cameras on the body, where one has seen");
+    require_state(!x.linearised_at_ || x.extrinsics_ > 0,
+                  "cameras on the body, where one has seen");
     // That of the carriers alone is none: it may have negative variances.
     require_state(covariance.rows() == covariance.cols() && covariance.allFinite(),
                   "a covariance that is finite");

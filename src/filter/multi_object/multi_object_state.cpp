@@ -261,8 +261,8 @@ ObjectUpdateReport MultiObjectState::update(std::size_t j, const ObservedDetecti
   object.last_update = ++update_count;
   if (rig_motion) {
     rig_motion->see(observed.observation.source.camera);
-    if (observed.observation.source.camera && !joint.has_seen())
-      joint.set_seen_at(joint.pose(kCamera));
+    if (observed.observation.source.camera && !joint.is_linearised())
+      joint.linearise_at(joint.pose(kCamera));
   }
   ObjectBelief& belief = object.belief;
   LearnedSensor& detector = object.detectors[observed.observation.source.detector];

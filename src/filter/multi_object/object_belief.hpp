@@ -174,8 +174,6 @@ class ObjectBelief {
   /// Adds P_OC times `factor` to P_OC of every alternative; with extrinsics, [P_OC P_OE ...] times
   /// as many rows.
   void add_to_cross_covariances(const Eigen::Ref<const SixColumns>& factor);
-  /// ConditionalPose::add_extrinsic_to_camera() of every alternative.
-  void add_extrinsic_to_camera(std::size_t block, const Matrix6d& by);
 
   // --- the stages of an update
 

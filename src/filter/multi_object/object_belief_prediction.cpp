@@ -150,9 +150,4 @@ void ObjectBelief::add_to_cross_covariances(const Eigen::Ref<const SixColumns>& 
   }
 }
 
-void ObjectBelief::add_extrinsic_to_camera(std::size_t block, const Matrix6d& by) {
-  for (Alternative& alternative : alternatives_)
-    alternative.pose.add_extrinsic_to_camera(block, by);
-}
-
 }  // namespace posemix::internal

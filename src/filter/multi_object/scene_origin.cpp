@@ -47,7 +47,7 @@ void JointGaussian::move_world(const WorldShift& shift, MovedBases& shared) {
     shift.move_rows(covariance_.middleRows<6>(block.at));
     shift.move_columns(covariance_.middleCols<6>(block.at));
   }
-  if (seen_at_) seen_at_ = shift(*seen_at_);
+  if (linearised_at_) linearised_at_ = shift(*linearised_at_);
   const std::set<Index>& rows = shared.pose_rows[base_.get()];
   for (Carrier& carrier : carriers_) {
     if (carrier.columns) {

@@ -96,12 +96,15 @@ struct RigMotion {
     if (camera) odometry.see();
     if (!camera) is_seen_exactly = true;
   }
+  /// A camera whose pose is estimated moved the body by a detection with this noise, world frame.
+  void correct(const SE3d& before, const SE3d& body, const Matrix6d& noise) {
+    if (is_told && is_elsewhere(before, body, noise)) is_seen_exactly = false;
+  }
 
   SignificantMotion odometry;
   SignificantPose given;
   bool is_told = true;  ///< how the body moved last: by odometry or a pose
-  /// Whether an exact camera has told where the body is, and no other one since that it is
-  /// elsewhere.
+  /// Whether an exact camera has told where the body is, and no other one has corrected that since.
   bool is_seen_exactly = false;
 };
 

@@ -15,6 +15,7 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   const Explanation& leading = updates[*belief.leading()].explanation;
   const CameraMoments before = joint.camera_moments();
   const ObservationSource& source = observed.observation.source;
+  const SE3d body = joint.pose(kCamera);
   Transport transport(joint, *belief.pose_index(), source,
                       belief.state_from(joint, *belief.leading(), source), leading.inlier(),
                       poses_beside_joint(births), observed.factors.are_whole);
@@ -33,7 +34,8 @@ void MultiObjectState::move_poses(TrackedObject& object, const ObservedDetection
   for (Alternative& birth : births) step.carry(birth.pose);
   transport.follow();
   shift_back(object, damped, change, births);
-  transport.apply(rig_motion ? &*rig_motion : nullptr);
+  if (source.camera) rig_motion->correct(body, joint.pose(kCamera), leading.inlier().noise);
+  transport.apply(!rig_motion || !rig_motion->is_seen_exactly);
 }
 
 /// Those of the hypotheses that do not lead, and of births.

@@ -74,10 +74,10 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
   joint.set_pose(kCamera, camera);
   joint.add_noise(kCamera, camera.adjoint_congruence(within_reach(q)));
   if (rig_motion) rig_motion->is_told = true;
-  if (joint.has_seen()) {
-    const SE3d at = joint.seen_at();
-    joint.set_seen_at(at * rig_motion->odometry.take(change, q));
-    add_noise_of_extrinsics(joint.seen_at().adjoint() - at.adjoint() -
+  if (joint.is_linearised()) {
+    const SE3d at = joint.linearised_at();
+    joint.linearise_at(at * rig_motion->odometry.take(change, q));
+    add_noise_of_extrinsics(joint.linearised_at().adjoint() - at.adjoint() -
                             (camera.adjoint() - before.adjoint()));
   }
   advance(dt, before);
@@ -171,8 +171,8 @@ void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera
     const SE3d& body = world_camera.mean();
     const SE3d& at = rig_motion->given.follow(
         body, body.inverse().adjoint_congruence(world_camera.covariance()));
-    if (joint.has_seen()) {
-      joint.set_seen_at(at);
+    if (joint.is_linearised()) {
+      joint.linearise_at(at);
       add_noise_of_extrinsics(at.adjoint() - body.adjoint());
     }
   }

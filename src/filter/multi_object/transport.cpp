@@ -153,7 +153,6 @@ Transport::Transport(JointGaussian& joint, std::size_t object, const Observation
       object_(object),
       range_(inlier.white),
       noise_(inlier.noise),
-      body_(joint.pose(kCamera)),
       is_needed_(is_whole &&
                  is_far_less_certain(state.difference(), inlier.noise, state.object.translation())),
       others_(std::move(others)) {
@@ -191,7 +190,7 @@ PoseMove Transport::move_of_camera() {
   const Vector6d by_body = (joint_.pose(kCamera) * body.inverse()).log();
   const Vector6d by_extrinsic = (joint_.pose(*extrinsic_) * extrinsic.inverse()).log();
   const SE3d from = body * extrinsic;
-  const SE3d to = SE3d::exp(by_body + joint_.seen_at().adjoint() * by_extrinsic) * from;
+  const SE3d to = SE3d::exp(by_body + joint_.linearised_at().adjoint() * by_extrinsic) * from;
   joint_.set_pose(kCamera, to * joint_.pose(*extrinsic_).inverse());
   return {from, to};
 }
@@ -234,7 +233,7 @@ void Transport::follow_in_joint(const PairTransport& pair) {
 /// xi_C + `sign` Ad_A xi_E in place of xi_C, where cameras are linearised at A: with 1 the error of
 /// the camera that sees, and with -1 that of the body again.
 void Transport::add_extrinsic(double sign) {
-  const Matrix6d by = sign * joint_.seen_at().adjoint();
+  const Matrix6d by = sign * joint_.linearised_at().adjoint();
   joint_.combine({kCamera, Matrix6d::Identity(), *extrinsic_, by});
   for (ConditionalPose* other : others_) other->add_extrinsic_to_camera(*extrinsic_, by);
 }
@@ -246,18 +245,16 @@ void Transport::transport_covariances() {
     transport_pose(*others_[k], others_maps_[k].value_or(TransportMap()), moments, rig);
 }
 
-void Transport::apply(RigMotion* rig) {
-  const SE3d at = joint_.seen_at();
-  const SE3d& body = joint_.pose(kCamera);
-  if (extrinsic_ && rig->is_told && is_elsewhere(body_, body, noise_)) rig->is_seen_exactly = false;
-  const SE3d to = joint_.has_seen() ? near_body(at, body, noise_) : at;
+void Transport::apply(bool camera_is_told) {
+  const SE3d at = joint_.linearised_at();
+  const SE3d to = joint_.is_linearised() ? near_body(at, joint_.pose(kCamera), noise_) : at;
   const bool stays = to.matrix() == at.matrix();
   if (stays && maps_.empty()) return;
   if (extrinsic_) add_extrinsic(1.0);
   if (!maps_.empty()) transport_covariances();
-  if (!stays && !rig->is_seen_exactly) joint_.set_seen_at(to);
+  if (!stays && camera_is_told) joint_.linearise_at(to);
   if (extrinsic_) add_extrinsic(-1.0);
-  if (!stays) joint_.set_seen_at(to);
+  if (!stays) joint_.linearise_at(to);
 }
 
 }  // namespace posemix::internal

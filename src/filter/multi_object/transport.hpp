@@ -11,8 +11,6 @@
 /// (36) of docs/many-objects.md.
 namespace posemix::internal {
 
-struct RigMotion;
-
 class JointGaussian;
 class RegularFactor;
 
@@ -114,8 +112,8 @@ class Transport {
   /// camera or object beyond the linear range move on.
   void follow();
   /// Transports the covariances. Where cameras on the body are linearised follows it, eq. (38) of
-  /// docs/many-objects.md. `rig` is null without such cameras.
-  void apply(RigMotion* rig);
+  /// docs/many-objects.md: the error of the camera that sees stays if that is what is told.
+  void apply(bool camera_is_told);
 
  private:
   bool is_far() const;
@@ -130,7 +128,6 @@ class Transport {
   std::optional<std::size_t> extrinsic_;
   LinearRange range_;
   Matrix6d noise_;  ///< of the detection, world frame
-  SE3d body_;       ///< before it
   bool is_needed_;
   Matrix6d camera_part_;
   KeptVector<SE3d> from_;  ///< by block of the joint Gaussian
