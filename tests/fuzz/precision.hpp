@@ -16,7 +16,7 @@ namespace posemix::fuzzing {
 /// Covariances are definite while no pose is known so much worse than a detector sees it that
 /// double precision holds nothing of the detection beside it, about any place that counts: its own,
 /// that of the camera and the origin of the world. What is left beyond is finite
-/// (docs/reliability.md, "Definite, or finite").
+/// (docs/filter-consistency.md, "Definite, or finite").
 class Precision {
  public:
   /// Beyond this ratio of variances, and this standard deviation of a rotation [rad], nothing is

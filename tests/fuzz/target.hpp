@@ -9,7 +9,7 @@
 
 #include "posemix/base/error.hpp"
 
-/// What the programs of tests/fuzz have in common (docs/reliability.md). A target feeds bytes to
+/// What the programs of tests/fuzz have in common (docs/fuzzing.md). A target feeds bytes to
 /// one part of the library. It returns where they were taken or refused as they should be, and
 /// throws otherwise. libFuzzer chooses the bytes (engine.cpp); an ordinary test replays those of
 /// the corpus (replay.cpp).
