@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "filter/same_camera.hpp"
+#include "posemix/base/error.hpp"
 #include "posemix/lie/pose_blocks.hpp"
 
 namespace posemix::internal {
@@ -36,13 +38,27 @@ Observation with_component(Observation observation, std::size_t k) {
 
 }  // namespace
 
-std::optional<std::size_t> ModeModel::slow_index(std::size_t j) const {
-  const auto has_slow = [](const ObjectSensor* sensor) {
-    return sensor->noise.dependence().slow.has_value();
-  };
-  if (!has_slow(sensors[j])) return std::nullopt;
-  const auto end = sensors.begin() + static_cast<std::ptrdiff_t>(j);
-  return static_cast<std::size_t>(std::count_if(sensors.begin(), end, has_slow));
+std::size_t ModeModel::slow_index(std::size_t j) const {
+  std::size_t before = 0;
+  for (std::size_t i = 0; i < j; ++i) before += has_slow(i) ? 1 : 0;
+  return before * slow_per_object();
+}
+
+std::optional<std::size_t> ModeModel::slow_index(std::size_t j, const SE3d& body_camera) const {
+  if (!has_slow(j)) return std::nullopt;
+  if (cameras.empty()) return slow_index(j);
+  for (std::size_t c = 0; c < cameras.size(); ++c)
+    if (is_same_camera({.body_camera = cameras[c]}, {.body_camera = body_camera}))
+      return slow_index(j) + c;
+  throw InvalidInput("a detection is by a camera that is none of the model's");
+}
+
+double ModeModel::correlation(std::size_t j, const SE3d& body_object, std::size_t a,
+                              std::size_t b) const {
+  if (a == b) return 1.0;
+  const double angle =
+      view_angle(cameras[a].inverse() * body_object, cameras[b].inverse() * body_object);
+  return sensors[j]->noise.dependence().slow->correlation(0.0, angle);
 }
 
 ModeSmoother::Step ModeSmoother::predict(const JointState& before, const FrameInput& input,
@@ -65,19 +81,23 @@ ModeSmoother::Step ModeSmoother::predict(const JointState& before, const FrameIn
 void ModeSmoother::decay_slow_errors(const PoseStackd& poses, double dt, Step& step,
                                      JointState& moved) const {
   for (std::size_t j = 0; j < model_.objects.size(); ++j) {
-    const auto index = model_.slow_index(j);
-    if (!index) continue;
+    if (!model_.has_slow(j)) continue;
     const ObjectSensor& sensor = *model_.sensors[j];
     const SE3d& object = poses[model_.first_object() + j];
-    const double angle =
-        view_angle(poses[kCamera].inverse() * object, moved.poses[kCamera].inverse() * object);
+    const SE3d seen = moved.poses[kCamera].inverse() * object;
+    const double angle = view_angle(poses[kCamera].inverse() * object, seen);
     const double a = sensor.noise.dependence().slow->correlation(dt, angle);
-    const std::size_t at = model_.poses() + *index;
-    segment(step.slow_kept, *index).setConstant(a);
-    segment(moved.slow, *index) *= a;
-    rows(step.predicted, at) *= a;
-    columns(step.predicted, at) *= a;
-    block(step.noise, at, at) = (1.0 - a * a) * *sensor.slow_covariance();
+    const Matrix6d fresh = (1.0 - a * a) * *sensor.slow_covariance();
+    for (std::size_t c = 0; c < model_.slow_per_object(); ++c) {
+      const std::size_t index = model_.slow_index(j) + c;
+      const std::size_t at = model_.poses() + index;
+      segment(step.slow_kept, index).setConstant(a);
+      segment(moved.slow, index) *= a;
+      rows(step.predicted, at) *= a;
+      columns(step.predicted, at) *= a;
+      for (std::size_t d = 0; d < model_.slow_per_object(); ++d)
+        block(step.noise, at, at + d - c) = model_.correlation(j, seen, c, d) * fresh;
+    }
   }
 }
 
@@ -110,12 +130,13 @@ void ModeSmoother::move(const CameraStep& camera, const PoseStackd& poses, Step&
 
 /// Camera, object `j` and its slow error, with the covariance of [xi_O - xi_C; beta].
 ModeState ModeSmoother::state_of(const PoseStackd& poses, const VectorXd& slow,
-                                 const MatrixXd& covariance, std::size_t j) const {
+                                 const MatrixXd& covariance, std::size_t j,
+                                 const std::optional<std::size_t>& index) const {
   const std::size_t object = model_.first_object() + j;
   ModeState state{.camera = poses[kCamera], .object = poses[object]};
   const MatrixXd h_p = rows(covariance, object) - rows(covariance, kCamera);
   state.covariance.topLeftCorner<6, 6>() = columns(h_p, object) - columns(h_p, kCamera);
-  if (const auto index = model_.slow_index(j)) {
+  if (index) {
     const std::size_t at = model_.poses() + *index;
     state.slow = segment(slow, *index);
     state.covariance.topRightCorner<6, 6>() = columns(h_p, at);
@@ -134,20 +155,21 @@ void ModeSmoother::update(Step& step, const SmootherFrame& frame, const MatrixXd
   for (std::size_t j = 0; j < model_.objects.size(); ++j) {
     for (const ObservedObject& one : frame.observed) {
       if (one.object != model_.objects[j]) continue;
-      ModeState state = state_of(step.poses, step.slow, weighing, j);
+      const auto index = model_.slow_index(j, one.source.body_camera);
+      ModeState state = state_of(step.poses, step.slow, weighing, j, index);
       state.camera = state.camera * one.source.body_camera;
       const ObjectSensor& sensor = model_.filter->sensor(one.object, one.source.detector);
       ModeMeasurement seen = measure_mode(state, one.observation, sensor);
       if (is_first && one.observation.components.size() > 1)
         seen = measure_mode(state, with_component(one.observation, seen.best_component), sensor);
-      update(step, j, seen);
+      update(step, j, index, seen);
     }
   }
 }
 
-void ModeSmoother::update(Step& step, std::size_t j, const ModeMeasurement& seen) const {
+void ModeSmoother::update(Step& step, std::size_t j, const std::optional<std::size_t>& index,
+                          const ModeMeasurement& seen) const {
   const std::size_t object = model_.first_object() + j;
-  const auto index = model_.slow_index(j);
   PoseRows h_p = rows(step.covariance, object) - rows(step.covariance, kCamera);
   Vector6d h_m = segment(step.mean, object) - segment(step.mean, kCamera);
   if (index) {

@@ -2,6 +2,7 @@
 // SPDX-FileCopyrightText: posemix contributors
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -22,12 +23,21 @@ struct ModeModel {
   const MultiObjectFilter* filter = nullptr;  ///< whose sensors are used
   std::vector<std::size_t> objects = {};      ///< of the pose at first_object() and on
   std::vector<const ObjectSensor*> sensors = {};
+  /// T_body_camera of all that see: each has a slow error of its own. None: all have the same.
+  std::vector<SE3d> cameras = {};
 
   bool has_motion() const { return motion.model == MotionModel::constant_velocity; }
   std::size_t first_object() const { return has_motion() ? 2 : 1; }
   std::size_t poses() const { return first_object() + objects.size(); }
-  /// Index among the slow errors of that of object `j` of the model, where its detector has one.
-  std::optional<std::size_t> slow_index(std::size_t j) const;
+  std::size_t slow_per_object() const { return std::max(cameras.size(), std::size_t{1}); }
+  bool has_slow(std::size_t j) const { return sensors[j]->noise.dependence().slow.has_value(); }
+  /// Index among the slow errors of the first camera's of object `j` of the model, whose detector
+  /// has them; those of the other cameras follow. With the number of objects, of all of them.
+  std::size_t slow_index(std::size_t j) const;
+  /// That of a camera, where the detector has slow errors.
+  std::optional<std::size_t> slow_index(std::size_t j, const SE3d& body_camera) const;
+  /// Correlation of the slow errors of two cameras that see the object at once.
+  double correlation(std::size_t j, const SE3d& body_object, std::size_t a, std::size_t b) const;
 };
 
 /// Camera, its motion, objects and the slow errors of their detectors at every frame, from all of
@@ -68,10 +78,12 @@ class ModeSmoother {
   void move(const CameraStep& camera, const PoseStackd& poses, Step& step, PoseStackd& moved) const;
   void decay_slow_errors(const PoseStackd& poses, double dt, Step& step, JointState& moved) const;
   ModeState state_of(const PoseStackd& poses, const Eigen::VectorXd& slow,
-                     const Eigen::MatrixXd& covariance, std::size_t j) const;
+                     const Eigen::MatrixXd& covariance, std::size_t j,
+                     const std::optional<std::size_t>& slow_index) const;
   void update(Step& step, const SmootherFrame& frame, const Eigen::MatrixXd& weighing,
               bool is_first) const;
-  void update(Step& step, std::size_t j, const ModeMeasurement& seen) const;
+  void update(Step& step, std::size_t j, const std::optional<std::size_t>& slow_index,
+              const ModeMeasurement& seen) const;
   void backward();
   /// The state about the reference of a step.
   static JointState at(const Step& step, const Eigen::VectorXd& mean, Eigen::MatrixXd covariance);

@@ -9,6 +9,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "filter/precision.hpp"
+#include "filter/same_camera.hpp"
 #include "posemix/filter/predict.hpp"
 #include "posemix/lie/pose_blocks.hpp"
 
@@ -18,6 +19,23 @@ namespace {
 /// Covariance of an object of which nothing is known: far wider than one detection's.
 Matrix6d vague_covariance() {
   return pose_covariance(Eigen::Vector3d::Constant(3.0), Eigen::Vector3d::Constant(10.0));
+}
+
+/// Those that see anything; none where a camera is moved on its body, and has another pose there
+/// with every detection.
+std::vector<SE3d> cameras_of(std::span<const SmootherFrame* const> frames) {
+  constexpr std::size_t kMostCameras = 9;  // as many as the filter tells apart
+  std::vector<SE3d> cameras;
+  for (const SmootherFrame* frame : frames) {
+    for (const ObservedObject& seen : frame->observed) {
+      const bool is_new = std::none_of(cameras.begin(), cameras.end(), [&](const SE3d& camera) {
+        return is_same_camera({.body_camera = camera}, {.body_camera = seen.source.body_camera});
+      });
+      if (is_new) cameras.push_back(seen.source.body_camera);
+    }
+  }
+  if (cameras.size() > kMostCameras) cameras.clear();
+  return cameras;
 }
 
 }  // namespace
@@ -63,9 +81,11 @@ SmoothedModes SmoothingWindow::smooth(std::span<const SmootherFrame* const> fram
     }
     for (std::size_t k = 0; k < near.size(); ++k) taken[k] = &near[k];
   }
-  ModeSmoother smoother(model_, taken);
-  smoother.pass(start(known, false));
-  for (std::size_t pass = 1; pass < passes; ++pass) smoother.refine(start(known, true));
+  ModeModel model = model_;
+  model.cameras = cameras_of(frames);
+  ModeSmoother smoother(model, taken);
+  smoother.pass(start(model, known, false));
+  for (std::size_t pass = 1; pass < passes; ++pass) smoother.refine(start(model, known, true));
   SmoothedModes result{smoother.smoothed(), smoother.camera_lags()};
   if (to_scene_.is_none()) return result;
   const WorldShift back = to_scene_.inverse();
@@ -163,8 +183,11 @@ Modes SmoothingWindow::known_before() const {
   return known;
 }
 
-SmoothingWindow::Given SmoothingWindow::given_before(const Modes& known) const {
-  JointState joint = before_.joint_state(known);
+SmoothingWindow::Given SmoothingWindow::given_before(const ModeModel& model,
+                                                     const Modes& known) const {
+  std::vector<ObservationSource> cameras;
+  for (const SE3d& camera : model.cameras) cameras.push_back({.body_camera = camera});
+  JointState joint = before_.joint_state(known, cameras);
   const auto objects = static_cast<std::size_t>(
       std::count_if(known.begin(), known.end(), [](const auto& mode) { return mode.has_value(); }));
   const bool has_motion = joint.poses.size() - objects > 1;
@@ -173,35 +196,36 @@ SmoothingWindow::Given SmoothingWindow::given_before(const Modes& known) const {
   return {moved(std::move(joint), in_world, to_scene_), has_motion};
 }
 
-JointState SmoothingWindow::start(const Modes& known, bool vague) const {
-  JointState start{PoseStackd(model_.poses()), {}, {}};
-  std::size_t blocks = model_.poses();
-  for (std::size_t i = 0; i < model_.objects.size(); ++i) blocks += model_.slow_index(i) ? 1 : 0;
-  start.slow = Eigen::VectorXd::Zero(offset(blocks - model_.poses()));
-  start.covariance = Eigen::MatrixXd::Zero(offset(blocks), offset(blocks));
+JointState SmoothingWindow::start(const ModeModel& model, const Modes& known, bool vague) const {
+  JointState start{PoseStackd(model.poses()), {}, {}};
+  const std::size_t slow_errors = model.slow_index(model.objects.size());
+  start.slow = Eigen::VectorXd::Zero(offset(slow_errors));
+  const Eigen::Index dof = offset(model.poses() + slow_errors);
+  start.covariance = Eigen::MatrixXd::Zero(dof, dof);
 
   // Blocks that are new, and where those that the filter had belong.
-  const auto [given, has_motion] = given_before(known);
+  const auto [given, has_motion] = given_before(model, known);
   std::vector<std::size_t> poses{kCamera};
   std::vector<std::size_t> slow;
+  std::vector<std::size_t> new_objects;
   if (has_motion) poses.push_back(kMotion);
-  if (model_.has_motion()) {
+  if (model.has_motion()) {
     block(start.covariance, kMotion, kMotion) =
-        model_.motion.motion_noise.over(model_.motion.period_s);
+        model.motion.motion_noise.over(model.motion.period_s);
   }
-  for (std::size_t i = 0; i < model_.objects.size(); ++i) {
-    const std::size_t pose = *indices_[model_.objects[i]];
-    const auto index = model_.slow_index(i);
-    if (known[model_.objects[i]]) {
-      poses.push_back(pose);
-      if (index) slow.push_back(model_.poses() + *index);
+  for (std::size_t i = 0; i < model.objects.size(); ++i) {
+    if (!known[model.objects[i]]) {
+      new_objects.push_back(i);
       continue;
     }
-    add_new(i, vague, start);
+    poses.push_back(*indices_[model.objects[i]]);
+    for (std::size_t c = 0; model.has_slow(i) && c < model.slow_per_object(); ++c)
+      slow.push_back(model.poses() + model.slow_index(i) + c);
   }
   for (std::size_t i = 0; i < poses.size(); ++i) start.poses[poses[i]] = given.poses[i];
+  for (const std::size_t i : new_objects) add_new(model, i, vague, start);
   for (std::size_t i = 0; i < slow.size(); ++i)
-    segment(start.slow, slow[i] - model_.poses()) = segment(given.slow, i);
+    segment(start.slow, slow[i] - model.poses()) = segment(given.slow, i);
   std::vector<std::size_t> to = poses;
   to.insert(to.end(), slow.begin(), slow.end());
   for (std::size_t i = 0; i < to.size(); ++i) {
@@ -212,13 +236,18 @@ JointState SmoothingWindow::start(const Modes& known, bool vague) const {
 }
 
 /// An object that the filter did not have, independent of the rest.
-void SmoothingWindow::add_new(std::size_t i, bool vague, JointState& start) const {
-  const std::size_t pose = *indices_[model_.objects[i]];
+void SmoothingWindow::add_new(const ModeModel& model, std::size_t i, bool vague,
+                              JointState& start) const {
+  const std::size_t pose = *indices_[model.objects[i]];
   start.poses[pose] = hypotheses_[i].pose;
   block(start.covariance, pose, pose) = new_covariance(i, vague);
-  if (const auto index = model_.slow_index(i)) {
-    const std::size_t at = model_.poses() + *index;
-    block(start.covariance, at, at) = *model_.sensors[i]->slow_covariance();
+  if (!model.has_slow(i)) return;
+  const SE3d seen = start.poses[kCamera].inverse() * hypotheses_[i].pose;
+  const std::size_t at = model.poses() + model.slow_index(i);
+  for (std::size_t c = 0; c < model.slow_per_object(); ++c) {
+    for (std::size_t d = 0; d < model.slow_per_object(); ++d)
+      block(start.covariance, at + c, at + d) =
+          model.correlation(i, seen, c, d) * *model.sensors[i]->slow_covariance();
   }
 }
 

@@ -57,14 +57,14 @@ class SmoothingWindow {
 
   double least_variance(std::size_t object, std::span<const SmootherFrame* const> frames) const;
   Modes known_before() const;
-  Given given_before(const Modes& known) const;
-  JointState start(const Modes& known, bool vague) const;
+  Given given_before(const ModeModel& model, const Modes& known) const;
+  JointState start(const ModeModel& model, const Modes& known, bool vague) const;
   /// Poses of the world are moved to another.
   JointState moved(JointState joint, const std::vector<std::size_t>& in_world,
                    const WorldShift& shift) const;
   /// Camera and objects of what is smoothed, without the motion.
   std::vector<std::size_t> poses_in_world() const;
-  void add_new(std::size_t i, bool vague, JointState& start) const;
+  void add_new(const ModeModel& model, std::size_t i, bool vague, JointState& start) const;
   Matrix6d new_covariance(std::size_t i, bool vague) const;
 
   const MultiObjectFilter& before_;

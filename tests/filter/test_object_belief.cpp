@@ -234,6 +234,66 @@ TEST(ObjectBelief, TheSlowErrorOfEveryHypothesisDecays) {
   }
 }
 
+/// As a detection leaves two equal hypotheses that begin with it, of which the first leads.
+struct DetectedBelief {
+  explicit DetectedBelief(const Matrix6d& slow) {
+    Alternative born = hypothesis(0, -0.5, pose(0.2, -0.1, 0.4, 0.1, 0, 0.2));
+    born.pose.slow = Vector6d::Constant(0.01);
+    born.pose.covariance.topLeftCorner<6, 6>() += slow;
+    born.pose.covariance.topRightCorner<6, 6>() = -slow;
+    born.pose.covariance.bottomLeftCorner<6, 6>() = -slow;
+    born.pose.covariance.bottomRightCorner<6, 6>() = slow;
+    Alternative other = born;
+    other.standing.id = 1;
+    belief.add(joint, {born, other});
+  }
+
+  JointGaussian joint = camera_alone();
+  ObjectBelief belief;
+};
+
+Matrix18d moments_of(const DetectedBelief& given, std::size_t h) {
+  return given.belief.state(given.joint, h).covariance;
+}
+
+/// Covariance of [xi_O - xi_C; b].
+Matrix12d seen_moments(const DetectedBelief& given, std::size_t h) {
+  Eigen::Matrix<double, 12, 18> f = Eigen::Matrix<double, 12, 18>::Zero();
+  f.topLeftCorner<6, 6>() = -Matrix6d::Identity();
+  f.block<12, 12>(0, 6).setIdentity();
+  return f * moments_of(given, h) * f.transpose();
+}
+
+// Whether a hypothesis leads or not, and what a camera sees is what it saw when it sees again.
+TEST(ObjectBelief, TheSlowErrorBecomesThatOfAnotherCamera) {
+  DetectedBelief given(isotropic(3.0, 0.03));
+  ObjectSensor sensor{posemix::testing::gaussian_noise()};
+  NoiseDependence dependence;
+  dependence.slow = {.covariance = isotropic(3.0, 0.03), .correlation_angle_rad = 1.0};
+  sensor.noise = DetectorNoise(sensor.noise.components(), sensor.noise.clutter(), dependence);
+  const ObservationSource first;
+  const ObservationSource second{.body_camera = pose(0, 0.4, 0, 0.4, 0.1, 0)};
+  const ObservationSource third{.body_camera = pose(0, -0.4, 0, -0.4, 0.1, 0.1)};
+  given.belief.see_from(given.joint, first, sensor);
+  const Matrix12d before = seen_moments(given, 0);
+  const Vector6d mean = given.belief.state(given.joint, 0).slow;
+  const DetectionState preview = given.belief.state_seen_from(given.joint, 1, second, sensor);
+  for (const ObservationSource& source : {second, third}) {
+    given.belief.see_from(given.joint, source, sensor);
+    EXPECT_TRUE(moments_of(given, 0).isApprox(moments_of(given, 1), 1e-9));
+    EXPECT_FALSE(seen_moments(given, 0).isApprox(before, 1e-3));
+    if (is_same_camera(source, second)) {
+      EXPECT_TRUE(moments_of(given, 1).isApprox(preview.covariance, 1e-9));
+      EXPECT_TRUE(given.belief.state(given.joint, 0).slow.isApprox(preview.slow, 1e-9));
+    }
+  }
+  given.belief.see_from(given.joint, first, sensor);
+  for (const std::size_t h : {0U, 1U}) {
+    EXPECT_TRUE(seen_moments(given, h).isApprox(before, 1e-9)) << h;
+    EXPECT_TRUE(given.belief.state(given.joint, h).slow.isApprox(mean, 1e-9)) << h;
+  }
+}
+
 // To the last bit, as factors of them read one half.
 TEST(ObjectBelief, CovariancesStaySymmetricWhereSlowErrorsAreRescaled) {
   const ObjectSensor sensor{posemix::testing::gaussian_noise()};

@@ -157,7 +157,7 @@ struct ObjectUpdateReport {
 ///
 /// The origin of the world may be anywhere: all is computed near the camera. Where a pose becomes
 /// known 3e6 times worse than a detector sees it covariances are finite, and nothing else is
-/// promised (docs/reliability.md, "Definite, or finite").
+/// promised (docs/filter-consistency.md, "Definite, or finite").
 ///
 /// All functions throw InvalidInput, and change nothing, as check_pose for a pose, as check_noise
 /// for a noise, for a density so far from the origin that rounding leaves nothing of its
@@ -297,6 +297,11 @@ class MultiObjectFilter {
   /// symmetry only the one that stands for all.
   /// @throws InvalidInput as joint_of
   JointState joint_state(std::span<const std::optional<std::size_t>> hypotheses) const;
+  /// The same with the slow error of every one of `cameras`, in their order, for each object whose
+  /// detector has one; joint_state() has that of the camera that saw the object last.
+  /// @throws InvalidInput as joint_of, and for a camera that there is not
+  JointState joint_state(std::span<const std::optional<std::size_t>> hypotheses,
+                         std::span<const ObservationSource> cameras) const;
   /// What is reported of an object at `pose` in addition to what is estimated, world frame.
   Matrix6d unseen_covariance(std::size_t object, const SE3d& pose) const;
   /// The reference holds until the next prediction or update.

@@ -143,6 +143,7 @@ ObjectUpdateReport GlobalHypotheses::update(std::size_t j, const Observation& ob
   stay_near_the_origin();
   const auto led = leading_id(j);
   activate(j);
+  for (Weighted& one : list_) one.state.see_from(j, source);
   KeptVector<ObservedDetection> observed;
   observed.reserve(list_.size());
   for (const Weighted& one : list_) observed.push_back(one.state.observe(j, observation, source));

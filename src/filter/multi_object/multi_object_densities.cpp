@@ -38,6 +38,45 @@ JointState marginal_of(const JointGaussian& joint, const std::vector<std::size_t
   return state;
 }
 
+/// In place of every slow error, in the order of the objects, those of all cameras. Those that do
+/// not see now are independent of each other given the pose and the slow error that was there.
+void add_cameras(const MultiObjectState& filter,
+                 std::span<const std::optional<std::size_t>> hypotheses,
+                 std::span<const ObservationSource> cameras, JointState& state) {
+  const auto poses = static_cast<Eigen::Index>(state.poses.size());
+  const Eigen::Index before = state.covariance.rows();
+  const Eigen::Index after =
+      state.poses.dof() + state.slow.size() * static_cast<Eigen::Index>(cameras.size());
+  Eigen::MatrixXd from = Eigen::MatrixXd::Zero(after, before);
+  from.topLeftCorner(state.poses.dof(), state.poses.dof()).setIdentity();
+  Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(after, after);
+  Eigen::VectorXd slow(after - state.poses.dof());
+  auto pose = static_cast<std::size_t>(filter.motion ? 2 : 1);
+  std::size_t last = static_cast<std::size_t>(poses);  // the block of the slow error
+  std::size_t at = last;
+  for (std::size_t j = 0; j < filter.objects.size(); ++j) {
+    if (!hypotheses[j]) continue;
+    const TrackedObject& object = filter.objects[j];
+    if (object.sensor().slow_covariance()) {
+      for (const ObservationSource& camera : cameras) {
+        const CameraSlowError one = object.belief.slow_error_of(
+            filter.joint, *hypotheses[j], camera, cameras.front(), object.sensor());
+        block(from, at, pose) = one.on_object;
+        block(from, at, kCamera) = -one.on_object;
+        block(from, at, last) = one.on_seeing;
+        block(noise, at, at) = one.covariance;
+        slow.segment<kPoseDof>(offset(at) - state.poses.dof()) = one.mean;
+        ++at;
+      }
+      ++last;
+    }
+    ++pose;
+  }
+  state.slow = slow;
+  state.covariance = (from * state.covariance * from.transpose() + noise).eval();
+  symmetrize(state.covariance);
+}
+
 }  // namespace
 
 ConcentratedGaussian<SE3d> MultiObjectFilter::relative(std::size_t object,
@@ -61,8 +100,9 @@ ConcentratedGaussian<SE3d> MultiObjectFilter::predicted_detection(
   require_hypothesis(hypothesis, object, current().objects[object].belief.size());
   if (source.camera) require_camera(*source.camera, extrinsic_count());
   const TrackedObject& tracked = current().objects[object];
-  const DetectionState state = tracked.belief.state_from(current().joint, hypothesis, source);
   const ObjectSensor& sensor = tracked.sensor();
+  const DetectionState state =
+      tracked.belief.state_seen_from(current().joint, hypothesis, source, sensor);
   const Matrix6d a = slow_error_map(state, sensor.noise.components().front(), sensor);
   // xi_O - xi_C + A b.
   Eigen::Matrix<double, 6, 18> h;
@@ -95,6 +135,13 @@ ConcentratedGaussian<PoseStackd> MultiObjectFilter::joint_of(
 
 JointState MultiObjectFilter::joint_state(
     std::span<const std::optional<std::size_t>> hypotheses) const {
+  return joint_state(hypotheses, {});
+}
+
+JointState MultiObjectFilter::joint_state(std::span<const std::optional<std::size_t>> hypotheses,
+                                          std::span<const ObservationSource> cameras) const {
+  for (const ObservationSource& one : cameras)
+    if (one.camera) require_camera(*one.camera, extrinsic_count());
   if (hypotheses.size() != object_count()) {
     throw InvalidInput(fmt::format("hypotheses of {} objects, but there are {}", hypotheses.size(),
                                    object_count()));
@@ -117,6 +164,7 @@ JointState MultiObjectFilter::joint_state(
   order.insert(order.end(), slow.begin(), slow.end());
   all.add_world_error(current().world_error);
   JointState state = marginal_of(all, order);
+  if (!cameras.empty()) add_cameras(current(), hypotheses, cameras, state);
   const WorldShift to_world = hypotheses_of_all().to_world();
   std::vector<SE3d> poses = state.poses.poses();
   for (std::size_t i = 0; i < poses.size(); ++i) {

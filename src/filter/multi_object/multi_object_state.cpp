@@ -167,14 +167,24 @@ GainFactors MultiObjectState::gain_factors(const TrackedObject& object,
           .are_whole = false};
 }
 
-void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_before) {
+KeptVector<OtherMomentsList> MultiObjectState::moments_of_others(bool released) {
+  KeptVector<OtherMomentsList> moments;
+  moments.reserve(objects.size());
+  for (TrackedObject& object : objects)
+    moments.push_back(object.belief.moments_of_others(joint, released));
+  return moments;
+}
+
+void MultiObjectState::advance(double dt, const std::optional<SE3d>& camera_before,
+                               const KeptVector<OtherMomentsList>& others) {
   now_s += dt;
-  for (TrackedObject& object : objects) {
+  for (std::size_t j = 0; j < objects.size(); ++j) {
+    TrackedObject& object = objects[j];
     const ObjectSensor& sensor = object.sensor();
     if (object.put_down) object.belief.leak(object.put_down->motion.jump_rate * dt);
     if (const auto& slow = sensor.noise.dependence().slow) {
       const Eigen::Vector3d turn = object.belief.decay_slow_error(
-          joint, *slow, *sensor.slow_covariance(), camera_before, dt);
+          joint, *slow, *sensor.slow_covariance(), camera_before, dt, others[j]);
       for (LearnedSensor& detector : object.detectors) detector.look(turn, dt);
     }
   }

@@ -99,8 +99,15 @@ struct MultiObjectState {
   void move_world(const WorldShift& shift, MovedBases& shared);
   /// A part of the error of the world leaves camera and objects.
   void take_out_world_error(const WorldPart& part);
+  /// ObjectBelief::moments_of_others() of all objects.
+  KeptVector<OtherMomentsList> moments_of_others(bool released = false);
   /// Time goes on by one frame, in which the camera moved from `camera_before` where that is known.
-  void advance(double dt, const std::optional<SE3d>& camera_before);
+  void advance(double dt, const std::optional<SE3d>& camera_before,
+               const KeptVector<OtherMomentsList>& others);
+  /// Object `j` is seen by this camera now.
+  void see_from(std::size_t j, const ObservationSource& source) {
+    objects[j].belief.see_from(joint, source, objects[j].sensor());
+  }
 
   /// The camera as it is reported: with the error of the world, as all that follows.
   ConcentratedGaussian<SE3d> reported_camera() const;
@@ -181,7 +188,7 @@ struct MultiObjectState {
   void erase(std::size_t pose_index);
   /// A camera whose rotation is less certain than a uniform one with the noise `q` of a random walk
   /// becomes independent of all else. Returns whether it did, and so has the noise.
-  bool lose_camera(const Matrix6d& q);
+  bool lose_camera(const Matrix6d& q, KeptVector<OtherMomentsList>& others);
   /// A covariance of the camera in its own place, less where it is wide: as far as there is
   /// something left to detect, beside what there is before.
   Matrix6d within_reach(const Matrix6d& covariance, const Matrix6d& before) const;

@@ -10,6 +10,7 @@
 #include "camera_regression.hpp"
 #include "filter/moving/mode_weights.hpp"
 #include "joint_gaussian.hpp"
+#include "other_cameras.hpp"
 #include "posemix/base/state_fields.hpp"
 #include "posemix/filter/multi_object_filter.hpp"
 
@@ -30,6 +31,8 @@ struct Standing {
   /// For an object that is put down elsewhere: given this hypothesis, what each detector shows. The
   /// weights of every detector sum to one.
   std::vector<ModeWeights> shown = {};
+  /// The slow errors of cameras that saw the object and do not now, the latest last.
+  std::vector<OtherCamera> others = {};
 };
 
 /// Log of a sum of weights, and of the same with dependent detections counted once [nats].
@@ -133,6 +136,14 @@ class ObjectBelief {
   /// The same with the camera that makes an observation, and its error, in place of the body.
   DetectionState state_from(const JointGaussian& joint, std::size_t h,
                             const ObservationSource& source) const;
+  /// The same with the slow error of that camera, which need not be the one that saw last.
+  DetectionState state_seen_from(const JointGaussian& joint, std::size_t h,
+                                 const ObservationSource& source, const ObjectSensor& sensor) const;
+  /// The slow error of a camera under hypothesis `h`, by the world's errors of object and body: the
+  /// pose of the camera on it counts as exact. Where none saw the object, b is that of `first`.
+  CameraSlowError slow_error_of(const JointGaussian& joint, std::size_t h,
+                                const ObservationSource& source, const ObservationSource& first,
+                                const ObjectSensor& sensor) const;
   /// Probability of every hypothesis, with dependent detections counted once.
   std::vector<double> probabilities() const;
 
@@ -141,12 +152,16 @@ class ObjectBelief {
 
   // --- prediction
 
+  /// Before the camera moves: the moments of the slow errors of other cameras, by hypothesis, then
+  /// camera. The camera's error is another one after it where it is `released`.
+  OtherMomentsList moments_of_others(const JointGaussian& joint, bool released);
   /// The slow error after `dt` seconds and the motion of the camera from `camera_before`, for a
-  /// detector whose slow error has the covariance `stationary`. Returns the turn of the
-  /// view (view_turn), as the leading hypothesis has it.
+  /// detector whose slow error has the covariance `stationary`; those of other cameras had the
+  /// moments `others`. Returns the turn of the view (view_turn), as the leading hypothesis has it.
   Eigen::Vector3d decay_slow_error(JointGaussian& joint, const SlowError& slow,
                                    const Matrix6d& stationary,
-                                   const std::optional<SE3d>& camera_before, double dt);
+                                   const std::optional<SE3d>& camera_before, double dt,
+                                   const OtherMomentsList& others = {});
   /// b <- f b and xi_O <- xi_O + A (1 - f) b for every hypothesis, with `factor` f by coordinate
   /// and the map A of the first component of `sensor`: the sum that a detection sees stays.
   void rescale_slow_error(JointGaussian& joint, const ObjectSensor& sensor, const Vector6d& factor);
@@ -177,6 +192,9 @@ class ObjectBelief {
 
   // --- the stages of an update
 
+  /// The slow error becomes that of the camera that makes an observation; that of the one that saw
+  /// last is kept, eq. (41).
+  void see_from(JointGaussian& joint, const ObservationSource& source, const ObjectSensor& sensor);
   /// Eq. (2) to (4): the update of every hypothesis on its own pair, by index.
   DetectionUpdates observe(const JointGaussian& joint, const WeighedObservation& observation,
                            const ObjectSensor& sensor, const GainFactors& factors) const;
@@ -302,6 +320,15 @@ class ObjectBelief {
   /// xi_O <- xi_O - F (xi_O - xi_C) of hypothesis `h`.
   void approach_camera(JointGaussian& joint, std::size_t h, const Matrix6d& f);
   void add_noise(JointGaussian& joint, std::size_t h, const Matrix6d& q);
+  /// The slow error of a camera that does not see now, but `last` does.
+  OtherCamera seen_next(const JointGaussian& joint, std::size_t h, const ObservationSource& last,
+                        const ObservationSource& source, const ObjectSensor& sensor) const;
+  void see_from(JointGaussian& joint, std::size_t h, const ObservationSource& source,
+                const ObjectSensor& sensor);
+  /// Eq. (42), before the slow error itself decays, from the moments `before`.
+  void decay_other_cameras(const JointGaussian& joint, std::size_t h, const SlowError& slow,
+                           double a, const Matrix6d& stationary,
+                           const std::optional<OtherMoments>* before);
   void erase_alternative(std::size_t h);
   void merge_two(JointGaussian& joint, std::size_t a, std::size_t b, const ConditionalPose& at_a,
                  const ConditionalPose& at_b);
@@ -311,6 +338,7 @@ class ObjectBelief {
   double log_absent_ = 0.0;
   double log_absence_probability_ = 0.0;
   std::vector<ModeWeights> lost_shown_;  ///< by detector; empty unless it is put down elsewhere
+  std::optional<ObservationSource> seen_by_;  ///< whose slow errors those of the hypotheses are
 };
 
 }  // namespace posemix::internal

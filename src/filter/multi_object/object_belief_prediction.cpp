@@ -7,10 +7,11 @@ namespace posemix::internal {
 
 Eigen::Vector3d ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowError& slow,
                                                const Matrix6d& stationary,
-                                               const std::optional<SE3d>& camera_before,
-                                               double dt) {
+                                               const std::optional<SE3d>& camera_before, double dt,
+                                               const OtherMomentsList& others) {
   // b <- a b + w with a = exp(-|view angle| / theta - dt / tau) and Cov w = (1 - a^2) B.
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  const std::optional<OtherMoments>* before_motion = others.data();
   for (std::size_t h = 0; h < size(); ++h) {
     Standing& standing = mutable_standing(h);
     const SE3d& object = mean(joint, h);
@@ -21,6 +22,8 @@ Eigen::Vector3d ObjectBelief::decay_slow_error(JointGaussian& joint, const SlowE
     const Eigen::Vector3d turned = view_turn(before, now);
     const double a = slow.correlation(dt, turned.norm());
     const Matrix6d q = (1.0 - a * a) * stationary;
+    decay_other_cameras(joint, h, slow, a, stationary, before_motion);
+    before_motion += standing.others.size();
     if (leads(h)) {
       joint.decay_slow(leader_->pose_index, a, q);
       turn = turned;
@@ -66,6 +69,11 @@ void ObjectBelief::rescale_slow_error(JointGaussian& joint, const ObjectSensor& 
       joint.move_object(leader_->pose_index, by);
     } else {
       move(alternatives_[slot(h)].pose, by);
+    }
+    for (OtherCamera& other : mutable_standing(h).others) {
+      other.follow(before.camera, before.object, before.slow);
+      rescale(other, factor, SE3d(SO3d(), -before.object.translation()).adjoint() * a);
+      other.body_object = before.camera.inverse() * mean(joint, h);
     }
   }
 }

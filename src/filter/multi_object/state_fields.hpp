@@ -92,10 +92,33 @@ struct StateFields<MergeBounds> {
 };
 
 template <>
+struct StateFields<ObservationSource> {
+  static ObservationSource blank() { return {}; }
+  static auto tie(auto& x) {
+    auto& [body_camera, camera, detector] = x;
+    return std::tie(body_camera, camera, detector);
+  }
+};
+
+template <>
+struct StateFields<OtherCamera> {
+  static OtherCamera blank() { return {}; }
+  static auto tie(auto& x) {
+    auto& [source, mean, given, covariance, body, body_object, seeing, is_followed] = x;
+    return std::tie(source, mean, given, covariance, body, body_object, seeing, is_followed);
+  }
+  static void validate(const OtherCamera& x) {
+    require_state(x.mean.allFinite() && x.given.allFinite() && x.seeing.allFinite(),
+                  "a slow error that is finite");
+    require_covariance(x.covariance, kPoseDof);
+  }
+};
+
+template <>
 struct StateFields<Standing> {
   static auto tie(auto& x) {
-    auto& [log_weight, log_probability, score, id, detections, seen_from, shown] = x;
-    return std::tie(log_weight, log_probability, score, id, detections, seen_from, shown);
+    auto& [log_weight, log_probability, score, id, detections, seen_from, shown, others] = x;
+    return std::tie(log_weight, log_probability, score, id, detections, seen_from, shown, others);
   }
   static void validate(const Standing& x) {
     require_state(
@@ -142,11 +165,12 @@ struct StateFields<ObjectBelief::Leader> {
 template <>
 struct StateFields<ObjectBelief> {
   static auto tie(auto& x) {
-    auto& [leader, alternatives, log_absent, log_absence_probability, lost_shown] = x;
-    return std::tie(leader, alternatives, log_absent, log_absence_probability, lost_shown);
+    auto& [leader, alternatives, log_absent, log_absence_probability, lost_shown, seen_by] = x;
+    return std::tie(leader, alternatives, log_absent, log_absence_probability, lost_shown, seen_by);
   }
   static void validate(const ObjectBelief& x) {
-    const auto& [leader, alternatives, log_absent, log_absence_probability, lost_shown] = x;
+    const auto& [leader, alternatives, log_absent, log_absence_probability, lost_shown, seen_by] =
+        x;
     require_state(leader ? leader->position <= alternatives.size() : alternatives.empty(),
                   "a leading hypothesis where there is any");
     require_state(!std::isnan(log_absent) && !std::isnan(log_absence_probability),
@@ -271,6 +295,10 @@ struct StateFields<MultiObjectState> {
                     "a pose with the slow error of its detector");
       if (has_slow) take(pose + 1);
       for (std::size_t h = 0; h < object.belief.size(); ++h) {
+        for (const OtherCamera& other : object.belief.standing(h).others)
+          require_state(
+              has_slow && (!other.source.camera || *other.source.camera < x.joint.extrinsics()),
+              "slow errors of the cameras that there are");
         if (h == *leading) continue;
         const ConditionalPose other = object.belief.pose(x.joint, h);
         require_state(other.slow.has_value() == has_slow &&

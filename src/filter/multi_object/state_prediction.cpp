@@ -69,6 +69,7 @@ Matrix6d MultiObjectState::within_reach(const Matrix6d& q) const {
 }
 
 void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d& q, double dt) {
+  const KeptVector<OtherMomentsList> others = moments_of_others();
   const SE3d before = joint.pose(kCamera);
   const SE3d camera = before * change;
   joint.set_pose(kCamera, camera);
@@ -80,7 +81,7 @@ void MultiObjectState::predict_with_odometry(const SE3d& change, const Matrix6d&
     add_noise_of_extrinsics(joint.linearised_at().adjoint() - at.adjoint() -
                             (camera.adjoint() - before.adjoint()));
   }
-  advance(dt, before);
+  advance(dt, before, others);
 }
 
 void MultiObjectState::add_noise_of_extrinsics(const Matrix6d& map) {
@@ -94,14 +95,15 @@ void MultiObjectState::add_noise_of_extrinsics(const Matrix6d& map) {
 void MultiObjectState::predict_random_walk(const Matrix6d& given, double dt) {
   const Matrix6d q = within_reach(given);
   if (rig_motion) rig_motion->is_told = false;
-  if (!lose_camera(q)) joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
-  advance(dt, std::nullopt);
+  KeptVector<OtherMomentsList> others = moments_of_others();
+  if (!lose_camera(q, others)) joint.add_noise(kCamera, joint.pose(kCamera).adjoint_congruence(q));
+  advance(dt, std::nullopt, others);
 }
 
 /// Rotation about the camera and its position are independent then: only the position's covariance
 /// is that of before with that of the noise, both seen from where the camera is, so that none of it
 /// is a difference of what a wide rotation has about the origin.
-bool MultiObjectState::lose_camera(const Matrix6d& q) {
+bool MultiObjectState::lose_camera(const Matrix6d& q, KeptVector<OtherMomentsList>& others) {
   // Half of what there is to know: it is the camera's again, and has an end.
   if (world_error.topLeftCorner<3, 3>().diagonal().maxCoeff() > 0.5 * kUniformRotationVariance)
     take_in_world_error();
@@ -115,6 +117,7 @@ bool MultiObjectState::lose_camera(const Matrix6d& q) {
   Matrix6d there = Matrix6d::Zero();
   there.topLeftCorner<3, 3>().diagonal().setConstant(kUniformRotationVariance);
   there.bottomRightCorner<3, 3>() = near.bottomRightCorner<3, 3>();
+  others = moments_of_others(true);
   joint.release_camera(position.adjoint_congruence(there));
   for (TrackedObject& object : objects) object.belief.release_camera();
   return true;
@@ -123,6 +126,7 @@ bool MultiObjectState::lose_camera(const Matrix6d& q) {
 void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d& q,
                                                  const Matrix6d& q_motion, const Matrix6d& at_rest,
                                                  double dt) {
+  const KeptVector<OtherMomentsList> others = moments_of_others();
   if (rig_motion) rig_motion->is_told = false;
   if (!motion) motion = joint.append_motion(SE3d(), at_rest);
   const std::size_t at = *motion;
@@ -151,12 +155,13 @@ void MultiObjectState::predict_constant_velocity(double periods, const Matrix6d&
   joint.add_noise(kCamera, moved.adjoint_congruence(within_reach(q)));
   joint.add_noise(at, velocity.adjoint_congruence(q_motion));
   joint.make_symmetric();
-  advance(dt, std::nullopt);
+  advance(dt, std::nullopt, others);
 }
 
 /// The prediction with F = 0: nothing of the camera before is a part of the one after.
 void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera, double dt) {
   take_in_world_error();
+  const KeptVector<OtherMomentsList> others = moments_of_others(true);
   const SE3d before = joint.pose(kCamera);
   const SE3d position(SO3d(), world_camera.mean().translation());
   const Matrix6d here = position.inverse().adjoint_congruence(world_camera.covariance());
@@ -176,7 +181,7 @@ void MultiObjectState::set_camera(const ConcentratedGaussian<SE3d>& world_camera
       add_noise_of_extrinsics(at.adjoint() - body.adjoint());
     }
   }
-  advance(dt, before);
+  advance(dt, before, others);
 }
 
 }  // namespace posemix::internal
