@@ -186,6 +186,7 @@ Modes SmoothingWindow::known_before() const {
 SmoothingWindow::Given SmoothingWindow::given_before(const ModeModel& model,
                                                      const Modes& known) const {
   std::vector<ObservationSource> cameras;
+  cameras.reserve(model.cameras.size());
   for (const SE3d& camera : model.cameras) cameras.push_back({.body_camera = camera});
   JointState joint = before_.joint_state(known, cameras);
   const auto objects = static_cast<std::size_t>(

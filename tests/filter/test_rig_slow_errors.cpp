@@ -225,7 +225,9 @@ TEST(RigSlowErrors, TurnWithAWorldThatWasWrong) {
 TEST(RigSlowErrors, AreRescaledWithThePose) {
   RandomStream stream(4, 2);
   const Matrix6d map = isotropic(20.0, 0.4);
-  internal::OtherCamera other{.mean = draw(map, stream), .covariance = isotropic(1.0, 0.01)};
+  internal::OtherCamera other;
+  other.mean = draw(map, stream);
+  other.covariance = isotropic(1.0, 0.01);
   for (Eigen::Index k = 0; k < 12; ++k) other.given.col(k) = draw(isotropic(30.0, 0.5), stream);
   const Vector6d factor = Vector6d::LinSpaced(0.7, 1.3);
   const internal::OtherCamera before = other;

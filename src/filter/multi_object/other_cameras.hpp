@@ -17,7 +17,7 @@ using Matrix6x12d = Eigen::Matrix<double, 6, 12>;
 /// N(mean + given [e; b - seeing], covariance), eq. (39). e is xi_O - xi_C along the axes of the
 /// world at the object.
 struct OtherCamera {
-  ObservationSource source;
+  ObservationSource source = {};
   Vector6d mean = Vector6d::Zero();
   Matrix6x12d given = Matrix6x12d::Zero();
   Matrix6d covariance = Matrix6d::Zero();
