@@ -175,8 +175,8 @@ TEST(Operations, OfPosesSoFarAwayThatVariancesOverflowAreRefused) {
   EXPECT_EQ(testing::thrown_message([&] { between(away, at_origin); }), "inverse" + expected);
   EXPECT_EQ(compose(at_origin, away).covariance()(5, 5), 2e-7);
   // A turn by 45 deg makes one coordinate of two, and no lever.
-  const ConcentratedGaussian<SE3d> turn(SE3d(SO3d::exp({0.0, 0.0, 0.25 * std::numbers::pi}), {}),
-                                        1e-7 * Matrix6d::Identity());
+  const SE3d eighth(SO3d::exp({0.0, 0.0, 0.25 * std::numbers::pi}), Eigen::Vector3d::Zero());
+  const ConcentratedGaussian<SE3d> turn(eighth, 1e-7 * Matrix6d::Identity());
   const ConcentratedGaussian<SE3d> farthest(SE3d(SO3d(), {1.7e308, 1.7e308, 0.0}),
                                             1e-7 * Matrix6d::Identity());
   EXPECT_EQ(testing::thrown_message([&] { compose(turn, farthest); }), "composition" + expected);
